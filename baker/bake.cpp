@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/bake.h"
+
+#include <sys/resource.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <thread>
+#include <xxhash.h>
+
+#include "baker/bvh_build.h"
+#include "baker/cut.h"
+#include "baker/encode.h"
+#include "baker/proxy_tree.h"
+#include "baker/snap.h"
+#include "baker/tileset.h"
+#include "baker/world_writer.h"
+#include "streamer/world_format/bvh_page.h"
+
+namespace zc {
+namespace {
+
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+// Serialises the caller's progress function.
+class Progress {
+ public:
+  explicit Progress(const BakeOptions& options) : report_(options.progress) {}
+
+  void begin(std::string_view stage, double from, double to, std::size_t steps) {
+    const std::lock_guard lock(mutex_);
+    stage_ = stage;
+    from_ = from;
+    to_ = to;
+    steps_ = steps;
+    done_ = 0;
+    if (report_) report_(from_, stage_);
+  }
+  void step() {
+    const std::lock_guard lock(mutex_);
+    ++done_;
+    if (report_ && steps_ > 0)
+      report_(from_ + (to_ - from_) * std::min(1.0, static_cast<double>(done_) / static_cast<double>(steps_)), stage_);
+  }
+
+ private:
+  std::function<void(double, std::string_view)> report_;
+  std::mutex mutex_;
+  std::string_view stage_;
+  double from_ = 0;
+  double to_ = 0;
+  std::size_t steps_ = 0;
+  std::size_t done_ = 0;
+};
+
+// Runs `work(i)` for all i in parallel; of several errors the one with the least i is returned.
+template <class Work>
+Status for_all(std::size_t count, Work work) {
+  std::vector<std::optional<Error>> errors(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    if (Status status = work(i); !status.ok()) errors[i] = std::move(status).error();
+  });
+  for (auto& error : errors)
+    if (error) return *std::move(error);
+  return {};
+}
+
+Status encode_node(const ProxyNode& source, std::span<const Material> materials, double step_m,
+                   const WorldWriter& writer, NodeRecord& node, ZoneMesh& decoded) {
+  node.parent = source.parent;
+  node.first_child = source.child_count > 0 ? source.first_child : 0;
+  node.child_count = source.child_count;
+  node.flags = source.is_detail ? kNodeDetail : 0;
+  node.depth = source.depth;
+  node.cell_x = source.cell_x;
+  node.cell_y = source.cell_y;
+  node.step_shift = source.proxy.step_shift;
+  node.error_max_m = static_cast<float>(source.proxy.error.max_m);
+  node.error_mean_m = static_cast<float>(source.proxy.error.mean_m);
+  node.normal_deviation_deg = static_cast<float>(source.proxy.error.normal_deviation_deg);
+  node.color_error = static_cast<float>(source.proxy.error.color_error);
+  ZC_ASSIGN(const EncodedZone zone, encode_zone_glb(source.proxy.mesh, node.step_shift, materials, step_m));
+  node.origin = zone.origin;
+  node.bounds_min = zone.bounds_min;
+  node.bounds_max = zone.bounds_max;
+  node.triangle_count = zone.triangle_count;
+  node.vertex_count = zone.vertex_count;
+  node.primitive_count = zone.primitive_count;
+  node.scratch_bytes = decode_scratch_bound(node.triangle_count, node.vertex_count, zone.glb.size());
+  node.glb_bytes = zone.glb.size();
+  node.glb_xxh3 = XXH3_64bits(zone.glb.data(), zone.glb.size());
+  const std::string name = node_file(node, "glb");
+  // Read as the streamer reads it: the BVH belongs to the decoded mesh.
+  ZC_ASSIGN(decoded, decode_zone_glb(zone.glb, node, name));
+  return writer.write(name, zone.glb);
+}
+
+Status build_node_bvh(const ZoneMesh& mesh, std::uint32_t material_count, const WorldWriter& writer,
+                      NodeRecord& node) {
+  ZC_ASSIGN(const BvhFile bvh, build_bvh(mesh.vertices, mesh.triangles));
+  node.bvh_node_count = static_cast<std::uint32_t>(bvh.nodes.size());
+  node.bvh_depth = bvh.depth;
+  node.page_bytes = 4 * (gpu::kPageHeaderWords + gpu::kBvhNodeWords * node.bvh_node_count +
+                         gpu::kPageTriangleWords * node.triangle_count);
+  const std::vector<std::byte> bytes = encode_bvh_file(bvh);
+  node.bvh_bytes = bytes.size();
+  node.bvh_xxh3 = XXH3_64bits(bytes.data(), bytes.size());
+  const std::string name = node_file(node, "zbvh");
+  ZC_ASSIGN(const std::vector<std::uint32_t> page, assemble_page(mesh, bvh, node, material_count, name));
+  if (page.size() * 4 != node.page_bytes) return Error{ErrorCode::kFormat, "page size differs from its counts", name};
+  return writer.write(name, bytes);
+}
+
+std::vector<MaterialRecord> material_records(std::span<const Material> materials) {
+  std::vector<MaterialRecord> out;
+  for (const Material& m : materials) {
+    MaterialRecord record;
+    record.base_color = {m.base_color.r, m.base_color.g, m.base_color.b};
+    record.roughness = m.roughness;
+    record.metallic = m.metallic;
+    out.push_back(record);
+  }
+  return out;
+}
+
+std::string bake_json(const BakeReport& report) {
+  nlohmann::ordered_json json;
+  const BakeSeconds& s = report.seconds;
+  json["bake_s"] = {{"total", s.total},       {"import", s.import_s}, {"repair", s.repair}, {"cut", s.cut},
+                    {"simplify", s.simplify}, {"light", s.light},     {"encode", s.encode}, {"bvh", s.bvh}};
+  json["peak_rss_bytes"] = report.peak_rss_bytes;
+  json["source_triangles"] = report.index.header.source_triangles;
+  json["nodes"] = report.index.nodes.size();
+  json["notes"] = nlohmann::ordered_json::array();
+  for (const ImportCount& note : report.notes) json["notes"].push_back({{"what", note.what}, {"count", note.count}});
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::uint64_t peak_rss_bytes() {
+  struct rusage usage {};
+  if (::getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& options, WorldWriter& writer) {
+  Stopwatch all;
+  Stopwatch watch;
+  Progress progress(options);
+  BakeReport report;
+  report.seconds.import_s = import_s;
+  report.index.header.source_triangles = scene.triangles.size();
+
+  progress.begin("snap", 0, 0.02, 0);
+  ZC_ASSIGN(SnappedScene snapped, snap_scene(std::move(scene), options.step_log2));
+  report.seconds.repair = watch.lap();
+
+  progress.begin("cut", 0.02, 0.05, 0);
+  ZoneTree tree = cut_zones(snapped, options.leaf_triangles);
+  const std::vector<Material> materials = std::move(snapped.materials);
+  report.notes = std::move(snapped.notes);
+  WorldIndex& index = report.index;
+  index.crs = std::move(snapped.crs);
+  index.header.step_log2 = snapped.step_log2;
+  index.header.anchor = snapped.anchor;
+  snapped = {};
+  report.seconds.cut = watch.lap();
+
+  progress.begin("simplify", 0.05, 0.85, tree.zones.size());
+  const double step_m = std::ldexp(1.0, options.step_log2);
+  const SimplifyContext context = {nullptr, materials, step_m, options.error_m, options.leaf_triangles};
+  ZC_ASSIGN(const ProxyTree proxies, build_proxies(std::move(tree), context, [&] { progress.step(); }));
+  if (proxies.lost_triangles > 0)
+    report.notes.push_back({"triangles without area at their zone's step", proxies.lost_triangles});
+  report.seconds.simplify = watch.lap();
+
+  const std::size_t count = proxies.nodes.size();
+  progress.begin("encode", 0.85, 0.95, count);
+  std::set<std::uint32_t> depths;
+  for (const ProxyNode& node : proxies.nodes) depths.insert(node.depth);
+  for (const std::uint32_t depth : depths) ZC_TRY(writer.make_directory("zones/" + std::to_string(depth)));
+  index.nodes.resize(count);
+  std::vector<ZoneMesh> decoded(count);
+  ZC_TRY(for_all(count, [&](std::size_t i) {
+    Status status = encode_node(proxies.nodes[i], materials, step_m, writer, index.nodes[i], decoded[i]);
+    progress.step();
+    return status;
+  }));
+  report.seconds.encode = watch.lap();
+
+  progress.begin("bvh", 0.95, 1.0, count);
+  const auto material_count = static_cast<std::uint32_t>(materials.size());
+  ZC_TRY(for_all(count, [&](std::size_t i) {
+    Status status = build_node_bvh(decoded[i], material_count, writer, index.nodes[i]);
+    decoded[i] = {};
+    progress.step();
+    return status;
+  }));
+  report.seconds.bvh = watch.lap();
+
+  LatticeBox bounds;
+  for (const NodeRecord& node : index.nodes) {
+    bounds.add(node.bounds_min);
+    bounds.add(node.bounds_max);
+  }
+  index.header.bounds_min = bounds.min;
+  index.header.bounds_max = bounds.max;
+  index.header.node_count = static_cast<std::uint32_t>(count);
+  index.header.material_count = material_count;
+  index.header.crs_bytes = static_cast<std::uint32_t>(index.crs.size());
+  index.materials = material_records(materials);
+  ZC_TRY(writer.write(kWorldIndexName, encode_world_index(index)));
+  ZC_TRY(writer.write_text("tileset.json", make_tileset_json(index)));
+  report.seconds.total = import_s + all.lap();
+  report.peak_rss_bytes = peak_rss_bytes();
+  ZC_TRY(writer.write_text(kBakeReportName, bake_json(report)));
+  return report;
+}
+
+}  // namespace
+
+Result<BakeReport> bake_world(Scene&& scene, double import_s, const BakeOptions& options,
+                              const std::filesystem::path& out) {
+  if (options.leaf_triangles < 16)
+    return Error{ErrorCode::kArgument, "zones need at least 16 triangles, got " + std::to_string(options.leaf_triangles)};
+  if (!(options.error_m > 0 && options.error_m <= 1000))
+    return Error{ErrorCode::kArgument, "the error bound must be above 0 and at most 1000 m"};
+  ZC_ASSIGN(WorldWriter writer, WorldWriter::open(out));
+  const unsigned threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
+  // As many threads as asked for, also when there are fewer cores.
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  tbb::task_arena arena(static_cast<int>(threads));
+  std::optional<Result<BakeReport>> report;
+  arena.execute([&] { report.emplace(bake(std::move(scene), import_s, options, writer)); });
+  if (!report->ok()) return *std::move(report);
+  ZC_TRY(writer.commit());
+  return *std::move(report);
+}
+
+}  // namespace zc

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bakes a scene into a world directory: snap, cut, simplify, measure, encode, BVH, index, tileset.
+// Owns nothing afterwards. Deterministic: the same scene gives the same bytes at any thread count, except for
+// bake.json, which holds what this run took.
+// Fails when the scene is empty or too wide, or when `out` cannot be replaced; an old world stays as it was.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "baker/scene.h"
+#include "base/result.h"
+#include "streamer/world_format/world_index.h"
+
+namespace zc {
+
+inline constexpr const char* kBakeReportName = "bake.json";
+
+struct BakeOptions {
+  unsigned threads = 0;                 // 0: all
+  std::uint32_t leaf_triangles = 4000;  // a zone with more is split; the root has at most so many
+  double error_m = 0.05;                // bound of leaf proxies
+  std::int32_t step_log2 = kDefaultStepLog2;
+  // Called from any thread, one call at a time; fraction in 0..1.
+  std::function<void(double fraction, std::string_view stage)> progress;
+};
+
+struct BakeSeconds {  // wall clock
+  double total = 0;
+  double import_s = 0;
+  double repair = 0;  // the snap: welding, dropping what has no area or comes twice
+  double cut = 0;
+  double simplify = 0;  // with the measuring of errors
+  double light = 0;
+  double encode = 0;
+  double bvh = 0;
+};
+
+struct BakeReport {
+  WorldIndex index;
+  BakeSeconds seconds;
+  std::vector<ImportCount> notes;
+  std::uint64_t peak_rss_bytes = 0;  // of the process
+};
+
+Result<BakeReport> bake_world(Scene&& scene, double import_s, const BakeOptions& options,
+                              const std::filesystem::path& out);
+
+}  // namespace zc

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/components.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <vector>
+
+#include "baker/manifold_fans.h"
+
+namespace zc {
+namespace {
+
+constexpr double kSquareDiagonals = 4;
+
+struct Component {
+  LatticeBox box;
+  double area = 0;
+  std::size_t faces = 0;
+  bool ground = false;
+  bool drop = false;
+};
+
+struct Components {
+  std::vector<Component> list;        // in order of their first face
+  std::vector<std::uint32_t> of_face;
+};
+
+std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+// Parts hang together by manifold edges: what edge collapse works on. Ground and objects are separate parts.
+Components find_components(const LatticeMesh& mesh) {
+  const ManifoldFans fans = split_into_fans(mesh);
+  const auto half = static_cast<std::uint32_t>(fans.source_vertex.size());
+  std::vector<std::uint32_t> parent(2 * std::size_t{half});
+  std::iota(parent.begin(), parent.end(), 0U);
+  const auto key = [&](std::size_t face, std::size_t i) {
+    return fans.face_fans[face][i] + (mesh.faces[face].ground ? half : 0U);
+  };
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    for (std::size_t i = 1; i < 3; ++i) {
+      const std::uint32_t a = find_root(parent, key(f, 0));
+      const std::uint32_t b = find_root(parent, key(f, i));
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  Components out;
+  std::vector<std::uint32_t> number(parent.size(), UINT32_MAX);
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    const LatticeFace& face = mesh.faces[f];
+    const std::uint32_t root = find_root(parent, key(f, 0));
+    if (number[root] == UINT32_MAX) {
+      number[root] = static_cast<std::uint32_t>(out.list.size());
+      out.list.emplace_back();
+      out.list.back().ground = face.ground;
+    }
+    Component& part = out.list[number[root]];
+    for (const std::uint32_t v : face.v) part.box.add(mesh.vertices[v]);
+    part.area += face_area(mesh, face);
+    ++part.faces;
+    out.of_face.push_back(number[root]);
+  }
+  return out;
+}
+
+void remove_marked(LatticeMesh& mesh, const Components& parts) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i)
+    if (!parts.list[parts.of_face[i]].drop) mesh.faces[kept++] = mesh.faces[i];
+  mesh.faces.resize(kept);
+  weld(mesh);
+}
+
+// Candidates from the least, without the last one if nothing else would be left.
+template <class Size>
+std::vector<std::uint32_t> candidates(const Components& parts, Size size) {
+  std::vector<std::uint32_t> order;
+  bool any_ground = false;
+  for (std::uint32_t i = 0; i < parts.list.size(); ++i) {
+    if (parts.list[i].ground) {
+      any_ground = true;
+    } else {
+      order.push_back(i);
+    }
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return size(parts.list[a]) < size(parts.list[b]); });
+  if (!any_ground && !order.empty()) order.pop_back();
+  return order;
+}
+
+// Per square of a coarse grid, the largest part whose centre lies in it.
+std::vector<bool> find_keepers(const Components& parts, double square) {
+  std::map<std::array<std::int64_t, 2>, std::uint32_t> largest;
+  for (std::uint32_t i = 0; i < parts.list.size(); ++i) {
+    std::array<std::int64_t, 2> key = {};
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const double center = (double(parts.list[i].box.min[axis]) + double(parts.list[i].box.max[axis])) / 2;
+      key[axis] = static_cast<std::int64_t>(std::floor(center / square));
+    }
+    const auto [at, added] = largest.try_emplace(key, i);
+    if (!added && parts.list[i].box.diagonal() > parts.list[at->second].box.diagonal()) at->second = i;
+  }
+  std::vector<bool> keep(parts.list.size(), false);
+  for (const auto& [key, i] : largest) keep[i] = true;
+  return keep;
+}
+
+}  // namespace
+
+void drop_small_components(LatticeMesh& mesh, double diagonal, std::size_t target_faces) {
+  Components parts = find_components(mesh);
+  // A part far from all others stays: what is dropped must lie near something that is left.
+  const std::vector<bool> keep = find_keepers(parts, kSquareDiagonals * diagonal);
+  std::size_t left = mesh.faces.size();
+  for (const std::uint32_t i : candidates(parts, [](const Component& c) { return c.box.diagonal(); })) {
+    if (left <= target_faces || parts.list[i].box.diagonal() >= diagonal) break;
+    // What holds most of the triangles is for the decimation: dropping it would fall far below the target.
+    if (keep[i] || left - parts.list[i].faces < target_faces / 2) continue;
+    parts.list[i].drop = true;
+    left -= parts.list[i].faces;
+  }
+  remove_marked(mesh, parts);
+}
+
+void drop_components_to(LatticeMesh& mesh, std::size_t target_faces) {
+  Components parts = find_components(mesh);
+  std::size_t left = mesh.faces.size();
+  for (const std::uint32_t i : candidates(parts, [](const Component& c) { return c.area; })) {
+    if (left <= target_faces) break;
+    parts.list[i].drop = true;
+    left -= parts.list[i].faces;
+  }
+  remove_marked(mesh, parts);
+}
+
+}  // namespace zc

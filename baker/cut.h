@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Cuts a snapped scene into a quadtree of zones. Whole objects go to the cell that holds the centre of their box;
+// ground, and objects too large for one zone, are clipped exactly on the lattice along cell borders.
+// Points on a border are rounded, once, to the coarsest step of all nodes that may meet there, computed from the edge
+// alone: both sides of a border and both faces of an edge get bit-identical points, and no level moves them again.
+// Owns what it returns. Deterministic at any thread count.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "baker/snap.h"
+
+namespace zc {
+
+struct Zone {
+  std::uint32_t depth = 0;
+  std::uint32_t cell_x = 0;
+  std::uint32_t cell_y = 0;
+  std::int32_t parent = -1;
+  std::vector<std::uint32_t> children;  // none: a leaf
+  LatticeMesh detail;                   // of a leaf: its full-detail geometry, welded
+};
+
+// The arithmetic of cells and borders; lengths in steps.
+struct CellGrid {
+  std::uint32_t root_log2 = 0;      // the root cell is [0, 2^root_log2)^2
+  std::uint32_t min_cell_log2 = 0;  // no cell is smaller
+  std::int64_t overhang = 0;        // how far whole objects may reach beyond their cell, both sides together, at most
+  std::int64_t height = 0;          // of the world
+
+  [[nodiscard]] std::int64_t cell_size(std::uint32_t depth) const { return std::int64_t{1} << (root_log2 - depth); }
+  // Bound of step_shift over all nodes at this depth and below.
+  [[nodiscard]] std::uint32_t step_shift_bound(std::uint32_t depth) const;
+  // Step shift of points on the border plane through `coordinate`; 0 where no border can be.
+  [[nodiscard]] std::uint32_t border_shift(std::int32_t coordinate) const;
+  [[nodiscard]] bool may_be_border(std::int32_t coordinate) const;
+  [[nodiscard]] bool can_split(std::uint32_t depth) const;
+  // Whether p lies on a side of the cell that another zone may touch.
+  [[nodiscard]] bool on_cell_border(const Zone& zone, const LatticePoint& p) const;
+};
+
+struct ZoneTree {
+  CellGrid grid;
+  std::vector<Zone> zones;  // breadth first; siblings contiguous; zone 0 is the root
+};
+
+CellGrid make_cell_grid(const LatticeMesh& mesh, std::int32_t step_log2);
+
+// Adds to scene.notes what it cut against its kind.
+ZoneTree cut_zones(SnappedScene& scene, std::uint32_t leaf_triangles);
+
+}  // namespace zc

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/distance_bvh.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numeric>
+
+namespace zc {
+namespace {
+
+constexpr std::uint32_t kLeafTriangles = 4;
+
+glm::dvec3 to_dvec(const LatticePoint& p) { return {p[0], p[1], p[2]}; }
+
+double squared_distance_to_box(const glm::dvec3& p, const glm::dvec3& low, const glm::dvec3& high) {
+  const double x = std::max(std::max(low.x - p.x, p.x - high.x), 0.0);
+  const double y = std::max(std::max(low.y - p.y, p.y - high.y), 0.0);
+  const double z = std::max(std::max(low.z - p.z, p.z - high.z), 0.0);
+  return x * x + y * y + z * z;
+}
+
+glm::dvec3 closest_on_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& ab, const glm::dvec3& ac) {
+  const glm::dvec3 ap = p - a;
+  const double d1 = glm::dot(ab, ap);
+  const double d2 = glm::dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return a;
+  const glm::dvec3 bp = ap - ab;
+  const double d3 = glm::dot(ab, bp);
+  const double d4 = glm::dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return a + ab;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + ab * (d1 / (d1 - d3));
+  const glm::dvec3 cp = ap - ac;
+  const double d5 = glm::dot(ab, cp);
+  const double d6 = glm::dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return a + ac;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + ac * (d2 / (d2 - d6));
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return a + ab + (ac - ab) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+  const double scale = 1.0 / (va + vb + vc);
+  return a + ab * (vb * scale) + ac * (vc * scale);
+}
+
+}  // namespace
+
+DistanceBvh::DistanceBvh(const LatticeMesh& mesh) : bounds_(bounds_of(mesh)) {
+  const auto count = static_cast<std::uint32_t>(mesh.faces.size());
+  if (count == 0) return;
+  std::vector<LatticeBox> boxes(count);
+  for (std::uint32_t i = 0; i < count; ++i)
+    for (const std::uint32_t v : mesh.faces[i].v) boxes[i].add(mesh.vertices[v]);
+  std::vector<std::uint32_t> order(count);
+  std::iota(order.begin(), order.end(), 0U);
+
+  struct Task {
+    std::uint32_t node, first, count;
+  };
+  std::vector<Task> tasks = {{0, 0, count}};
+  nodes_.resize(1);
+  while (!tasks.empty()) {
+    const Task task = tasks.back();
+    tasks.pop_back();
+    LatticeBox box;
+    std::array<std::int64_t, 3> low = {INT64_MAX, INT64_MAX, INT64_MAX};
+    std::array<std::int64_t, 3> high = {INT64_MIN, INT64_MIN, INT64_MIN};
+    for (std::uint32_t i = task.first; i < task.first + task.count; ++i) {
+      const LatticeBox& b = boxes[order[i]];
+      box.add(b);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::int64_t center = std::int64_t{b.min[axis]} + b.max[axis];
+        low[axis] = std::min(low[axis], center);
+        high[axis] = std::max(high[axis], center);
+      }
+    }
+    Node& node = nodes_[task.node];
+    // Floats round: one unit in the last place outwards keeps the box conservative.
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto at = static_cast<std::size_t>(axis);
+      node.min[axis] = std::nextafter(static_cast<float>(box.min[at]), -INFINITY);
+      node.max[axis] = std::nextafter(static_cast<float>(box.max[at]), INFINITY);
+    }
+    if (task.count <= kLeafTriangles) {
+      node.first = task.first;
+      node.count = task.count;
+      continue;
+    }
+    std::size_t axis = 0;
+    for (std::size_t i = 1; i < 3; ++i)
+      if (high[i] - low[i] > high[axis] - low[axis]) axis = i;
+    const auto begin = order.begin() + task.first;
+    const std::uint32_t half = task.count / 2;
+    std::nth_element(begin, begin + half, begin + task.count, [&](std::uint32_t a, std::uint32_t b) {
+      const std::int64_t ca = std::int64_t{boxes[a].min[axis]} + boxes[a].max[axis];
+      const std::int64_t cb = std::int64_t{boxes[b].min[axis]} + boxes[b].max[axis];
+      return ca != cb ? ca < cb : a < b;
+    });
+    const auto left = static_cast<std::uint32_t>(nodes_.size());
+    node.first = left;
+    nodes_.resize(nodes_.size() + 2);
+    tasks.push_back({left, task.first, half});
+    tasks.push_back({left + 1, task.first + half, task.count - half});
+  }
+  triangles_.reserve(count);
+  for (const std::uint32_t i : order) {
+    const LatticeFace& face = mesh.faces[i];
+    const glm::dvec3 a = to_dvec(mesh.vertices[face.v[0]]);
+    const glm::dvec3 ab = to_dvec(mesh.vertices[face.v[1]]) - a;
+    const glm::dvec3 ac = to_dvec(mesh.vertices[face.v[2]]) - a;
+    triangles_.push_back({a, ab, ac, glm::normalize(glm::cross(ab, ac)), face.material});
+  }
+}
+
+double DistanceBvh::distance_to_bounds(const glm::dvec3& p) const {
+  return std::sqrt(squared_distance_to_box(p, to_dvec(bounds_.min), to_dvec(bounds_.max)));
+}
+
+void DistanceBvh::closest(const glm::dvec3& p, const glm::dvec3& normal, double tie, ClosestHit& best) const {
+  if (nodes_.empty()) return;
+  struct Entry {
+    std::uint32_t node;
+    double squared;
+  };
+  // Halving by count keeps the tree no deeper than 31 levels.
+  std::array<Entry, 64> stack;
+  std::size_t top = 0;
+  const auto box_distance = [&](std::uint32_t i) {
+    return squared_distance_to_box(p, glm::dvec3(nodes_[i].min), glm::dvec3(nodes_[i].max));
+  };
+  stack[top++] = {0, box_distance(0)};
+  while (top > 0) {
+    const Entry entry = stack[--top];
+    const double reach = best.distance + tie;
+    if (entry.squared > reach * reach) continue;
+    const Node& node = nodes_[entry.node];
+    if (node.count == 0) {
+      Entry near = {node.first, box_distance(node.first)};
+      Entry far = {node.first + 1, box_distance(node.first + 1)};
+      if (far.squared < near.squared) std::swap(near, far);
+      stack[top++] = far;
+      stack[top++] = near;
+      continue;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+      const Triangle& t = triangles_[i];
+      const double distance = glm::distance(p, closest_on_triangle(p, t.a, t.ab, t.ac));
+      const double alignment = std::abs(glm::dot(t.normal, normal));
+      const bool clearly_closer = distance < best.distance - tie;
+      const bool tied = distance <= best.distance + tie && alignment > best.alignment;
+      if (clearly_closer || tied) {
+        best.alignment = alignment;
+        best.material = t.material;
+      }
+      best.distance = std::min(best.distance, distance);
+    }
+  }
+}
+
+}  // namespace zc

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// CityJSON 1.1 and 2.0 (one document) and CityJSONSeq (a header line, then one feature a line) into the scene: the
+// highest level of detail of every city object; children at their parent's level join it.
+// Units: metres of the document's CRS, its transform applied in double precision. Untrusted input.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "baker/import/mean_color.h"
+#include "baker/import/scene_builder.h"
+#include "base/result.h"
+
+namespace zc {
+
+// `text` is the whole file.
+Status import_cityjson(std::string_view text, const std::string& path, MeanColors& images, SceneBuilder& builder);
+
+// Reads the file line by line, holding one line at a time.
+Status import_cityjson_seq(const std::string& path, MeanColors& images, SceneBuilder& builder);
+
+}  // namespace zc

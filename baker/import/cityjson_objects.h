@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The city objects of one CityJSON document or feature line: which geometry of each counts, and which objects join.
+// Untrusted input.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "baker/import/cityjson_source.h"
+#include "baker/import/mean_color.h"
+#include "baker/import/scene_builder.h"
+
+namespace zc {
+
+// What a CityJSONSeq's first line, or the document itself, holds for all objects.
+struct CityHeader {
+  CityTransform transform;
+  CityAppearance appearance;
+  std::vector<nlohmann::json> templates;
+  std::vector<glm::dvec3> template_vertices;
+};
+
+Status add_city_objects(const nlohmann::json& document, const CityHeader& header, const CitySource& source,
+                        MeanColors& images, SceneBuilder& builder);
+
+}  // namespace zc

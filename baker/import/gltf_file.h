@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A glTF or GLB file with its buffers, every container length and buffer view checked against the bytes that exist.
+// tinygltf parses nodes, meshes, accessors and materials; buffers and images stay out of its hands.
+// Owns all bytes. Untrusted input. Thread-safe for const use.
+#pragma once
+
+#define TINYGLTF_NO_FS
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_EXTERNAL_IMAGE
+#include <tiny_gltf.h>
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+
+namespace zc {
+
+struct GltfImage {
+  std::string uri;                  // external file, percent-decoded; or empty
+  int buffer_view = -1;             // embedded bytes; or negative
+  std::vector<std::byte> embedded;  // of a data URI
+};
+
+struct GltfFile {
+  std::string path;
+  tinygltf::Model model;  // its buffers and images are empty: use the members below
+  std::vector<GltfImage> images;
+  std::vector<std::span<const std::byte>> buffers;
+  std::vector<std::vector<std::byte>> owned;  // what `buffers` point into
+
+  [[nodiscard]] Error error(std::string message) const { return {ErrorCode::kFormat, std::move(message), path}; }
+  // Fails when the index is out of range. Ranges were checked when the file was read.
+  [[nodiscard]] Result<std::span<const std::byte>> view(int buffer_view) const;
+};
+
+// `bytes` is the whole file at `path`, GLB or JSON; external buffers lie beside it.
+// Fails on lengths that disagree with the file and on required extensions that are not handled, named.
+Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path);
+
+}  // namespace zc

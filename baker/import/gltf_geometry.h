@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Positions and triangles of one glTF primitive: plain, sparse or quantised accessors, strips and fans, or Draco.
+// Untrusted input: every range is checked before it is read. Thread-safe: no state.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "baker/import/gltf_file.h"
+
+namespace zc {
+
+struct GltfGeometry {
+  std::vector<glm::dvec3> positions;  // in the mesh's own frame
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+// Empty for primitives of points or lines. `where` names the primitive in errors.
+Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primitive& primitive,
+                                    const std::string& where);
+
+// The KHR_draco_mesh_compression extension of a primitive that has it.
+Result<GltfGeometry> read_draco_primitive(const GltfFile& file, const tinygltf::Primitive& primitive,
+                                          const std::string& where);
+
+// A stored integer component as KHR_mesh_quantization defines it: normalised types map to [-1, 1] or [0, 1].
+double dequantised(double stored, int component_type, bool normalized);
+
+}  // namespace zc

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/import/gltf_import.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat4x4.hpp>
+#include <optional>
+#include <string_view>
+
+#include "baker/import/gltf_file.h"
+#include "baker/import/gltf_geometry.h"
+
+namespace zc {
+namespace {
+
+// glTF is y up: (x, y, z) -> (x, -z, y). Columns.
+const glm::dmat4 kUpright(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 0, 1, 0), glm::dvec4(0, -1, 0, 0),
+                          glm::dvec4(0, 0, 0, 1));
+
+ObjectKind kind_of(const std::string& name) {
+  constexpr std::array<std::string_view, 7> kGroundNames = {"ground",   "road",         "terrain", "street",
+                                                            "sidewalk", "plaza_ground", "water"};
+  std::string lower = name;
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const bool ground = std::any_of(kGroundNames.begin(), kGroundNames.end(),
+                                  [&](std::string_view prefix) { return lower.starts_with(prefix); });
+  return ground ? ObjectKind::kGround : ObjectKind::kObject;
+}
+
+Result<glm::dmat4> local_transform(const GltfFile& file, const tinygltf::Node& node, std::size_t index) {
+  const auto fits = [](const std::vector<double>& values, std::size_t size) {
+    return values.empty() || values.size() == size;
+  };
+  if (!fits(node.matrix, 16) || !fits(node.translation, 3) || !fits(node.rotation, 4) || !fits(node.scale, 3))
+    return file.error("node " + std::to_string(index) + " has a transform of the wrong length");
+  glm::dmat4 matrix(1);
+  if (!node.matrix.empty()) {
+    for (int column = 0; column < 4; ++column)
+      for (int row = 0; row < 4; ++row) matrix[column][row] = node.matrix[static_cast<std::size_t>(4 * column + row)];
+    return matrix;
+  }
+  if (!node.rotation.empty()) {
+    const glm::dquat turn(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
+    if (glm::length(turn) > 0) matrix = glm::mat4_cast(glm::normalize(turn));
+  }
+  if (!node.scale.empty())
+    for (int axis = 0; axis < 3; ++axis) matrix[axis] *= node.scale[static_cast<std::size_t>(axis)];
+  if (!node.translation.empty())
+    matrix[3] = glm::dvec4(node.translation[0], node.translation[1], node.translation[2], 1);
+  return matrix;
+}
+
+class GltfImport {
+ public:
+  GltfImport(const GltfFile& file, MeanColors& images, SceneBuilder& builder)
+      : file_(file), images_(images), builder_(builder), meshes_(file.model.meshes.size()) {}
+
+  Status run() {
+    ZC_ASSIGN(const std::vector<int> roots, root_nodes());
+    struct Visit {
+      int node;
+      glm::dmat4 parent;
+    };
+    std::vector<Visit> stack;
+    for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, kUpright});
+    std::vector<bool> seen(file_.model.nodes.size());
+    while (!stack.empty()) {
+      const Visit visit = stack.back();
+      stack.pop_back();
+      const auto index = static_cast<std::size_t>(visit.node);
+      if (visit.node < 0 || index >= seen.size())
+        return file_.error("node " + std::to_string(visit.node) + " does not exist");
+      if (seen[index]) return file_.error("node " + std::to_string(visit.node) + " has two parents or is its own");
+      seen[index] = true;
+      const tinygltf::Node& node = file_.model.nodes[index];
+      ZC_ASSIGN(const glm::dmat4 local, local_transform(file_, node, index));
+      const glm::dmat4 world = visit.parent * local;
+      if (node.mesh >= 0) ZC_TRY(add_node(node, index, world));
+      for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
+        stack.push_back({*child, world});
+    }
+    return {};
+  }
+
+ private:
+  struct Part {
+    GltfGeometry geometry;
+    std::uint16_t material = 0;
+  };
+
+  // Of the default scene, else the first one, else every node that is nobody's child.
+  [[nodiscard]] Result<std::vector<int>> root_nodes() const {
+    const tinygltf::Model& model = file_.model;
+    if (!model.scenes.empty()) {
+      const auto index = static_cast<std::size_t>(std::max(model.defaultScene, 0));
+      if (index >= model.scenes.size())
+        return file_.error("scene " + std::to_string(model.defaultScene) + " does not exist");
+      return model.scenes[index].nodes;
+    }
+    std::vector<bool> is_child(model.nodes.size());
+    for (const tinygltf::Node& node : model.nodes)
+      for (const int child : node.children)
+        if (child >= 0 && static_cast<std::size_t>(child) < is_child.size())
+          is_child[static_cast<std::size_t>(child)] = true;
+    std::vector<int> roots;
+    for (std::size_t i = 0; i < is_child.size(); ++i)
+      if (!is_child[i]) roots.push_back(static_cast<int>(i));
+    return roots;
+  }
+
+  Status add_node(const tinygltf::Node& node, std::size_t index, const glm::dmat4& world) {
+    const auto mesh_index = static_cast<std::size_t>(node.mesh);
+    if (mesh_index >= meshes_.size())
+      return file_.error("node " + std::to_string(index) + " names mesh " + std::to_string(node.mesh) +
+                         ", which does not exist");
+    if (!meshes_[mesh_index]) ZC_TRY(load_mesh(mesh_index));
+    if (node.extensions.contains("EXT_mesh_gpu_instancing"))
+      builder_.note("nodes with EXT_mesh_gpu_instancing, drawn once");
+    ObjectMesh object;
+    object.id = node.name.empty() ? "node_" + std::to_string(index) : node.name;
+    object.kind = kind_of(object.id);
+    const bool mirrored = glm::determinant(glm::dmat3(world)) < 0;
+    for (const Part& part : *meshes_[mesh_index]) {
+      const std::size_t base = object.positions.size();
+      if (base + part.geometry.positions.size() > 0xFFFF'FFFFU)
+        return Error{ErrorCode::kUnsupported, "mesh " + std::to_string(node.mesh) + " has more than 2^32 vertices",
+                     file_.path};
+      for (const glm::dvec3& p : part.geometry.positions) object.positions.emplace_back(world * glm::dvec4(p, 1));
+      for (const auto& [a, b, c] : part.geometry.triangles) {
+        const auto at = [base](std::uint32_t corner) { return static_cast<std::uint32_t>(base + corner); };
+        object.triangles.push_back(mirrored ? std::array{at(a), at(c), at(b)} : std::array{at(a), at(b), at(c)});
+        object.materials.push_back(part.material);
+      }
+    }
+    return builder_.add(object);
+  }
+
+  Status load_mesh(std::size_t mesh_index) {
+    const tinygltf::Mesh& mesh = file_.model.meshes[mesh_index];
+    std::vector<Part> parts;
+    for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
+      const std::string where = "mesh " + std::to_string(mesh_index) + " primitive " + std::to_string(i);
+      Part part;
+      ZC_ASSIGN(part.geometry, read_primitive(file_, mesh.primitives[i], where));
+      if (part.geometry.triangles.empty()) {
+        builder_.note("glTF primitives without triangles (points, lines), left out");
+        continue;
+      }
+      ZC_ASSIGN(part.material, material(mesh.primitives[i].material, where));
+      parts.push_back(std::move(part));
+    }
+    meshes_[mesh_index] = std::move(parts);
+    return {};
+  }
+
+  Result<std::uint16_t> material(int index, const std::string& where) {
+    if (index < 0) return builder_.material({.name = "default"});
+    if (static_cast<std::size_t>(index) >= file_.model.materials.size())
+      return file_.error(where + " names material " + std::to_string(index) + ", which does not exist");
+    const tinygltf::Material& source = file_.model.materials[static_cast<std::size_t>(index)];
+    const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
+    const auto unit = [](double value) { return static_cast<float>(std::clamp(value, 0.0, 1.0)); };
+    Material result;
+    result.name = source.name.empty() ? "material_" + std::to_string(index) : source.name;
+    result.base_color = glm::vec3(1);
+    for (std::size_t c = 0; c < 3 && c < pbr.baseColorFactor.size(); ++c)
+      result.base_color[static_cast<int>(c)] = unit(pbr.baseColorFactor[c]);
+    result.roughness = unit(pbr.roughnessFactor);
+    result.metallic = unit(pbr.metallicFactor);
+    if (pbr.baseColorTexture.index >= 0)
+      if (const auto mean = texture_color(pbr.baseColorTexture.index)) result.base_color *= *mean;
+    return builder_.material(result);
+  }
+
+  std::optional<glm::vec3> texture_color(int texture) {
+    const tinygltf::Model& model = file_.model;
+    const int source = static_cast<std::size_t>(texture) < model.textures.size()
+                           ? model.textures[static_cast<std::size_t>(texture)].source
+                           : -1;
+    if (source < 0 || static_cast<std::size_t>(source) >= file_.images.size()) {
+      builder_.note("missing texture sources, plain colours used");
+      return std::nullopt;
+    }
+    const GltfImage& image = file_.images[static_cast<std::size_t>(source)];
+    const std::string key = file_.path + " image " + std::to_string(source);
+    if (!image.uri.empty()) return images_.of_file(std::filesystem::path(file_.path).parent_path(), image.uri);
+    if (image.buffer_view < 0) return images_.of_bytes(key, image.embedded);
+    const auto bytes = file_.view(image.buffer_view);
+    return images_.of_bytes(key, bytes.ok() ? *bytes : std::span<const std::byte>{});
+  }
+
+  const GltfFile& file_;
+  MeanColors& images_;
+  SceneBuilder& builder_;
+  std::vector<std::optional<std::vector<Part>>> meshes_;  // decoded once, shared by the nodes that draw them
+};
+
+}  // namespace
+
+Status import_gltf(std::vector<std::byte> bytes, const std::string& path, MeanColors& images, SceneBuilder& builder) {
+  ZC_ASSIGN(const GltfFile file, read_gltf(std::move(bytes), path));
+  return GltfImport(file, images, builder).run();
+}
+
+}  // namespace zc

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/import/import.h"
+
+#include <algorithm>
+#include <fstream>
+#include <new>
+#include <string>
+#include <string_view>
+
+#include "baker/import/cityjson_import.h"
+#include "baker/import/gltf_import.h"
+#include "baker/import/json_text.h"
+#include "baker/import/mean_color.h"
+#include "baker/import/scene_builder.h"
+#include "base/file.h"
+
+namespace zc {
+namespace {
+
+constexpr std::uint64_t kMaxInputBytes = std::uint64_t{1} << 34U;
+constexpr const char* kBlank = " \t\r\n";
+
+// A sequence of documents: the first line is closed and another object begins after it, which one JSON document never
+// does. Reads no further than that.
+bool is_sequence(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  char last = 0;
+  for (char c = 0; file.get(c) && c != '\n';)
+    if (std::string_view(kBlank).find(c) == std::string_view::npos) last = c;
+  if (last != '}') return false;
+  for (char c = 0; file.get(c);)
+    if (std::string_view(kBlank).find(c) == std::string_view::npos) return c == '{';
+  return path.extension() == ".jsonl";  // a header and nothing else
+}
+
+Status import_one(const std::filesystem::path& input, MeanColors& images, SceneBuilder& builder) {
+  const std::string path = input.string();
+  ZC_ASSIGN(const std::uint64_t size, file_size_bytes(input));
+  std::vector<std::byte> head(std::min<std::uint64_t>(size, 64));
+  ZC_TRY(read_range(input, 0, head));
+  std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  const bool is_glb = text.starts_with("glTF");
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  const std::size_t start = text.find_first_not_of(kBlank);
+  if (size == 0) return Error{ErrorCode::kFormat, "file is empty", path};
+  if (!is_glb && (start == std::string_view::npos || text[start] != '{'))
+    return Error{ErrorCode::kUnsupported, "is neither glTF, GLB, CityJSON nor CityJSONSeq", path, 0};
+  if (!is_glb && is_sequence(input)) return import_cityjson_seq(path, images, builder);
+
+  ZC_ASSIGN(std::vector<std::byte> bytes, read_file(input, kMaxInputBytes));
+  if (is_glb) return import_gltf(std::move(bytes), path, images, builder);
+  text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  if (has_top_level_key(text, "geometricError") && has_top_level_key(text, "root"))
+    return Error{ErrorCode::kUnsupported, "is a 3D Tiles tileset, which is not imported", path, 0};
+  const bool is_gltf = has_top_level_key(text, "asset") && !has_top_level_key(text, "CityObjects");
+  if (is_gltf) return import_gltf(std::move(bytes), path, images, builder);
+  return import_cityjson(text, path, images, builder);
+}
+
+}  // namespace
+
+Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs, const ImportOptions& options) {
+  if (inputs.empty()) return Error{ErrorCode::kArgument, "no input given"};
+  SceneBuilder builder;
+  MeanColors images(options.textures_mean_color);
+  for (const std::filesystem::path& input : inputs) {
+    try {
+      if (Status status = import_one(input, images, builder); !status.ok()) {
+        Error error = std::move(status).error();
+        if (error.path.empty()) error.path = input.string();
+        return error;
+      }
+    } catch (const std::bad_alloc&) {
+      return Error{ErrorCode::kBudget, "not enough memory to import this file", input.string()};
+    }
+  }
+  images.report(builder);
+  Scene scene = builder.finish();
+  if (scene.triangles.empty()) return Error{ErrorCode::kFormat, "has no triangles", inputs.front().string()};
+  return scene;
+}
+
+}  // namespace zc

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reads city models of every supported format into one Scene: glTF 2.0 and GLB (Draco, quantised), CityJSON 1.1 and
+// 2.0, CityJSONSeq. What was left out or replaced is counted in Scene::notes.
+// Units: metres in the inputs' CRS, z up (glTF's y up is turned). Untrusted input. Thread-safe: no state.
+// Fails when a file is unreadable, does not follow its format or needs what is not handled; when inputs name different
+// coordinate reference systems; when nothing has a triangle.
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "baker/scene.h"
+#include "base/result.h"
+
+namespace zc {
+
+struct ImportOptions {
+  bool textures_mean_color = true;  // a textured surface takes the mean linear colour of its image
+};
+
+// Reads every input (told apart by content, not by extension) and merges them into one scene, in order.
+Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs, const ImportOptions& options);
+
+}  // namespace zc

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Collects whole objects into a Scene: welds equal positions within an object, drops triangles that cannot be used,
+// shares equal materials, counts what was left out. The order of calls alone decides the result.
+// Owns the growing scene. Not thread-safe.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "baker/scene.h"
+#include "base/result.h"
+
+namespace zc {
+
+struct ObjectMesh {
+  std::string id;
+  ObjectKind kind = ObjectKind::kObject;  // kObject becomes kGround when the object is too wide for one zone
+  std::vector<glm::dvec3> positions;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint16_t> materials;  // per triangle
+};
+
+// Wider than this in x or y, an object is ground: it is cut along zone borders.
+inline constexpr double kGroundExtentM = 128;
+// Beyond this a coordinate has no place on any lattice.
+inline constexpr double kMaxCoordinateM = 1.8e18;
+
+class SceneBuilder {
+ public:
+  // Index of an equal material, added when new. A full table yields the nearest in colour and roughness.
+  std::uint16_t material(const Material& material);
+  // Indices in `mesh` must be in range. An object without a usable triangle is left out.
+  Status add(const ObjectMesh& mesh);
+  void note(const std::string& what, std::uint64_t count = 1);
+  // Keeps the first system named; fails when `crs` names another one.
+  Status set_crs(const std::string& crs, const std::string& path);
+  [[nodiscard]] Scene finish() { return std::move(scene_); }
+
+ private:
+  using MaterialKey = std::tuple<std::string, float, float, float, float, float>;
+  Scene scene_;
+  std::map<MaterialKey, std::uint16_t> materials_;
+  std::map<std::string, std::size_t> notes_;
+};
+
+}  // namespace zc

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/manifold_fans.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace zc {
+namespace {
+
+struct HalfEdge {
+  std::uint64_t edge;  // smaller vertex << 32 | larger
+  std::uint32_t corner;  // where it starts: 3 * face + i
+  bool forward;          // from the smaller vertex
+};
+
+std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+void join(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
+  a = find_root(parent, a);
+  b = find_root(parent, b);
+  // The smaller index leads, so that the numbering does not depend on the order of joins.
+  parent[std::max(a, b)] = std::min(a, b);
+}
+
+std::uint32_t next_corner(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+
+}  // namespace
+
+ManifoldFans split_into_fans(const LatticeMesh& mesh) {
+  const auto corner_count = static_cast<std::uint32_t>(3 * mesh.faces.size());
+  std::vector<HalfEdge> edges;
+  edges.reserve(corner_count);
+  for (std::uint32_t c = 0; c < corner_count; ++c) {
+    const std::uint32_t a = mesh.faces[c / 3].v[c % 3];
+    const std::uint32_t b = mesh.faces[c / 3].v[(c + 1) % 3];
+    edges.push_back({std::uint64_t{std::min(a, b)} << 32U | std::max(a, b), c, a < b});
+  }
+  std::sort(edges.begin(), edges.end(), [](const HalfEdge& l, const HalfEdge& r) {
+    return l.edge != r.edge ? l.edge < r.edge : l.corner < r.corner;
+  });
+  std::vector<std::uint32_t> parent(corner_count);
+  std::iota(parent.begin(), parent.end(), 0U);
+  for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+    while (end < edges.size() && edges[end].edge == edges[begin].edge) ++end;
+    if (end - begin != 2 || edges[begin].forward == edges[begin + 1].forward) continue;
+    const std::uint32_t c = edges[begin].corner;
+    const std::uint32_t d = edges[begin + 1].corner;
+    join(parent, c, next_corner(d));
+    join(parent, next_corner(c), d);
+  }
+  ManifoldFans out;
+  std::vector<std::uint32_t> fan_of(corner_count);
+  out.face_fans.resize(mesh.faces.size());
+  for (std::uint32_t c = 0; c < corner_count; ++c) {
+    const std::uint32_t root = find_root(parent, c);
+    if (root == c) {
+      fan_of[c] = static_cast<std::uint32_t>(out.source_vertex.size());
+      out.source_vertex.push_back(mesh.faces[c / 3].v[c % 3]);
+    }
+    out.face_fans[c / 3][c % 3] = fan_of[root];
+  }
+  return out;
+}
+
+}  // namespace zc

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/measure.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+
+namespace zc {
+namespace {
+
+// Area samples of one side: so many per triangle, within limits.
+constexpr std::size_t kSamplesPerTriangle = 6;
+constexpr std::size_t kSamplesMin = 2000;
+constexpr std::size_t kSamplesMax = 20000;
+constexpr std::size_t kVerticesMax = 20000;
+constexpr double kTieSteps = 1.0;
+
+struct Sample {
+  glm::dvec3 point;
+  glm::dvec3 normal;
+  std::uint16_t material = 0;
+  bool is_vertex = false;  // counts for the largest distance only
+};
+
+glm::dvec3 to_dvec(const LatticePoint& p) { return {p[0], p[1], p[2]}; }
+
+double area_of(const LatticeMesh& mesh) {
+  double area = 0;
+  for (const auto& face : mesh.faces) area += face_area(mesh, face);
+  return area;
+}
+
+std::size_t sample_count(std::size_t faces) { return std::clamp(kSamplesPerTriangle * faces, kSamplesMin, kSamplesMax); }
+
+// Stratified over the running area; within a triangle the R2 sequence (Roberts 2018) keeps samples apart.
+void add_area_samples(const LatticeMesh& mesh, double area, std::size_t count, std::vector<Sample>& out) {
+  if (mesh.faces.empty() || count == 0) return;
+  double running = 0;
+  std::size_t next = 0;
+  for (const auto& face : mesh.faces) {
+    running += face_area(mesh, face);
+    const glm::dvec3 a = to_dvec(mesh.vertices[face.v[0]]);
+    const glm::dvec3 ab = to_dvec(mesh.vertices[face.v[1]]) - a;
+    const glm::dvec3 ac = to_dvec(mesh.vertices[face.v[2]]) - a;
+    const glm::dvec3 normal = glm::normalize(glm::cross(ab, ac));
+    while (next < count && (static_cast<double>(next) + 0.5) / static_cast<double>(count) * area <= running) {
+      const auto n = static_cast<double>(next + 1);
+      double u = 0.5 + n * 0.7548776662466927;
+      double v = 0.5 + n * 0.5698402909980532;
+      u -= std::floor(u);
+      v -= std::floor(v);
+      if (u + v > 1) {
+        u = 1 - u;
+        v = 1 - v;
+      }
+      out.push_back({a + ab * u + ac * v, normal, face.material, false});
+      ++next;
+    }
+  }
+}
+
+void add_vertex_samples(const LatticeMesh& mesh, std::size_t limit, std::vector<Sample>& out) {
+  if (mesh.vertices.empty()) return;
+  const std::size_t stride = (mesh.vertices.size() + limit - 1) / limit;
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += stride)
+    out.push_back({to_dvec(mesh.vertices[i]), glm::dvec3(0), 0, true});
+}
+
+ClosestHit closest_of(std::span<const DetailSurface> surfaces, const Sample& sample) {
+  ClosestHit best;
+  best.distance = std::numeric_limits<double>::infinity();
+  if (surfaces.size() == 1) {
+    surfaces[0].bvh->closest(sample.point, sample.normal, kTieSteps, best);
+    return best;
+  }
+  // The nearest box first: it usually settles all others.
+  std::size_t first = 0;
+  double first_distance = best.distance;
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    const double distance = surfaces[i].bvh->distance_to_bounds(sample.point);
+    if (distance < first_distance) {
+      first = i;
+      first_distance = distance;
+    }
+  }
+  surfaces[first].bvh->closest(sample.point, sample.normal, kTieSteps, best);
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    if (i != first && surfaces[i].bvh->distance_to_bounds(sample.point) <= best.distance + kTieSteps)
+      surfaces[i].bvh->closest(sample.point, sample.normal, kTieSteps, best);
+  return best;
+}
+
+struct Sums {
+  double max = 0;
+  double distance = 0;
+  double color = 0;
+  double worst_alignment = 1;
+  std::size_t count = 0;
+};
+
+void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> surfaces,
+             std::span<const Material> materials, Sums& sums) {
+  std::vector<ClosestHit> hits(samples.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples.size(), 512), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) hits[i] = closest_of(surfaces, samples[i]);
+  });
+  // Summed in order: the same result at any thread count.
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    sums.max = std::max(sums.max, hits[i].distance);
+    if (samples[i].is_vertex) continue;
+    ++sums.count;
+    sums.distance += hits[i].distance;
+    sums.worst_alignment = std::min(sums.worst_alignment, hits[i].alignment);
+    const glm::vec3 d = glm::abs(materials[samples[i].material].base_color - materials[hits[i].material].base_color);
+    sums.color += static_cast<double>(d.x + d.y + d.z) / 3.0;
+  }
+}
+
+}  // namespace
+
+SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurface> detail,
+                           std::span<const Material> materials, double step_m) {
+  std::vector<Sample> from_proxy;
+  add_area_samples(proxy, area_of(proxy), sample_count(proxy.faces.size()), from_proxy);
+  add_vertex_samples(proxy, kVerticesMax, from_proxy);
+
+  std::vector<Sample> from_detail;
+  std::vector<double> areas;
+  double total_area = 0;
+  std::size_t total_vertices = 0;
+  std::size_t total_faces = 0;
+  for (const auto& surface : detail) {
+    areas.push_back(area_of(*surface.mesh));
+    total_area += areas.back();
+    total_vertices += surface.mesh->vertices.size();
+    total_faces += surface.mesh->faces.size();
+  }
+  const std::size_t detail_samples = sample_count(total_faces);
+  for (std::size_t i = 0; i < detail.size(); ++i) {
+    const auto share = [](double part, double whole, std::size_t count) {
+      return static_cast<std::size_t>(std::ceil(part / whole * static_cast<double>(count)));
+    };
+    add_area_samples(*detail[i].mesh, areas[i], share(areas[i], total_area, detail_samples), from_detail);
+    const auto vertices = static_cast<double>(detail[i].mesh->vertices.size());
+    add_vertex_samples(*detail[i].mesh, share(vertices, static_cast<double>(total_vertices), kVerticesMax),
+                       from_detail);
+  }
+
+  const DistanceBvh proxy_bvh(proxy);
+  const DetailSurface proxy_surface = {&proxy, &proxy_bvh};
+  Sums sums;
+  compare(from_proxy, detail, materials, sums);
+  compare(from_detail, std::span(&proxy_surface, 1), materials, sums);
+  SurfaceError error;
+  const double count = static_cast<double>(std::max<std::size_t>(sums.count, 1));
+  error.max_m = sums.max * step_m;
+  error.mean_m = sums.distance / count * step_m;
+  error.normal_deviation_deg = std::acos(std::clamp(sums.worst_alignment, 0.0, 1.0)) * 180.0 / std::numbers::pi;
+  error.color_error = sums.color / count;
+  return error;
+}
+
+}  // namespace zc

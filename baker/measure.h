@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Measures a proxy against the full-detail surface below it, both ways, at deterministic area-stratified samples and
+// at vertices (Cignoni, Rocchini & Scopigno 1998, "Metro"). Thread-safe: no state.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "baker/distance_bvh.h"
+#include "baker/lattice_mesh.h"
+#include "baker/scene.h"
+
+namespace zc {
+
+struct SurfaceError {
+  double max_m = 0;
+  double mean_m = 0;               // over area samples of both surfaces
+  double normal_deviation_deg = 0;  // largest, 0..90, of unsigned normals between an area sample and the closest surface
+  double color_error = 0;          // mean absolute linear RGB difference, 0..1
+};
+
+struct DetailSurface {
+  const LatticeMesh* mesh = nullptr;
+  const DistanceBvh* bvh = nullptr;
+};
+
+SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurface> detail,
+                           std::span<const Material> materials, double step_m);
+
+}  // namespace zc

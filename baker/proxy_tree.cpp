@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/proxy_tree.h"
+
+#include <tbb/parallel_for.h>
+
+#include <memory>
+#include <optional>
+
+namespace zc {
+namespace {
+
+struct ZoneState {
+  Proxy detail;                       // of a leaf: rounded
+  DistanceBvh bvh;                    // of a leaf: over the unrounded detail
+  std::optional<Proxy> proxy;         // none: not stored
+  std::vector<std::uint32_t> below;   // stored zones that attach here, or pass through when this one is not stored
+  std::vector<std::uint32_t> leaves;  // stored leaves in this zone
+};
+
+class Builder {
+ public:
+  Builder(ZoneTree&& tree, const SimplifyContext& context, const std::function<void()>& done)
+      : tree_(std::move(tree)), context_(context), done_(done), states_(tree_.zones.size()) {}
+
+  Result<ProxyTree> run() {
+    std::uint32_t deepest = 0;
+    for (const Zone& zone : tree_.zones) deepest = std::max(deepest, zone.depth);
+    // Leaves are independent; inner zones wait for those below.
+    for_zones([](const Zone& zone) { return zone.children.empty(); }, [this](std::size_t i) { build_leaf(i); });
+    for (std::uint32_t depth = deepest; depth-- > 0;) {
+      for_zones([depth](const Zone& zone) { return zone.depth == depth && !zone.children.empty(); },
+                [this](std::size_t i) { build_inner(i); });
+    }
+    if (!states_[0].proxy) return Error{ErrorCode::kFormat, "no triangle survives the rounding to its zone's step"};
+    return collect();
+  }
+
+ private:
+  template <class Select, class Build>
+  void for_zones(Select select, Build build) {
+    std::vector<std::size_t> chosen;
+    for (std::size_t i = 0; i < tree_.zones.size(); ++i)
+      if (select(tree_.zones[i])) chosen.push_back(i);
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, chosen.size(), 1),
+        [&](const auto& range) {
+          for (std::size_t i = range.begin(); i != range.end(); ++i) {
+            build(chosen[i]);
+            done_();
+          }
+        },
+        tbb::simple_partitioner());
+  }
+
+  void build_leaf(std::size_t i) {
+    const Zone& zone = tree_.zones[i];
+    ZoneState& state = states_[i];
+    state.detail = round_detail(zone.detail);
+    if (state.detail.mesh.faces.empty()) return;
+    state.bvh = DistanceBvh(zone.detail);
+    state.proxy = simplify_leaf(context_, zone, state.detail, {&zone.detail, &state.bvh});
+    state.leaves = {static_cast<std::uint32_t>(i)};
+  }
+
+  void build_inner(std::size_t i) {
+    const Zone& zone = tree_.zones[i];
+    ZoneState& state = states_[i];
+    for (const std::uint32_t child : zone.children) {
+      const ZoneState& below = states_[child];
+      if (below.proxy) {
+        state.below.push_back(child);
+      } else {
+        state.below.insert(state.below.end(), below.below.begin(), below.below.end());
+      }
+      state.leaves.insert(state.leaves.end(), below.leaves.begin(), below.leaves.end());
+    }
+    if (state.below.empty()) return;
+    std::vector<const Proxy*> children;
+    for (const std::uint32_t child : state.below) children.push_back(&*states_[child].proxy);
+    std::vector<DetailSurface> detail;
+    for (const std::uint32_t leaf : state.leaves) detail.push_back({&tree_.zones[leaf].detail, &states_[leaf].bvh});
+    state.proxy = simplify_inner(context_, zone, children, detail);
+  }
+
+  ProxyTree collect() {
+    ProxyTree out;
+    std::vector<std::uint32_t> zone_of = {0};
+    out.nodes.push_back(make_node(0, -1));
+    for (std::size_t i = 0; i < out.nodes.size(); ++i) {
+      if (out.nodes[i].is_detail) continue;
+      const std::uint32_t zone = zone_of[i];
+      const auto parent = static_cast<std::int32_t>(i);
+      out.nodes[i].first_child = static_cast<std::uint32_t>(out.nodes.size());
+      if (tree_.zones[zone].children.empty()) {
+        ProxyNode detail = make_node(zone, parent);
+        detail.is_detail = true;
+        detail.proxy = std::move(states_[zone].detail);
+        out.nodes[i].child_count = 1;
+        out.nodes.push_back(std::move(detail));
+        zone_of.push_back(zone);
+        continue;
+      }
+      out.nodes[i].child_count = static_cast<std::uint32_t>(states_[zone].below.size());
+      for (const std::uint32_t child : states_[zone].below) {
+        out.nodes.push_back(make_node(child, parent));
+        zone_of.push_back(child);
+      }
+    }
+    for (std::size_t i = 0; i < tree_.zones.size(); ++i)
+      if (tree_.zones[i].children.empty() && states_[i].bvh.empty())
+        out.lost_triangles += tree_.zones[i].detail.faces.size();
+    // Moved last: children were looked at through their zones until here.
+    for (std::size_t i = 0; i < out.nodes.size(); ++i)
+      if (!out.nodes[i].is_detail) out.nodes[i].proxy = std::move(*states_[zone_of[i]].proxy);
+    return out;
+  }
+
+  ProxyNode make_node(std::uint32_t zone, std::int32_t parent) const {
+    ProxyNode node;
+    node.parent = parent;
+    node.depth = tree_.zones[zone].depth;
+    node.cell_x = tree_.zones[zone].cell_x;
+    node.cell_y = tree_.zones[zone].cell_y;
+    return node;
+  }
+
+  ZoneTree tree_;
+  const SimplifyContext& context_;
+  const std::function<void()>& done_;
+  std::vector<ZoneState> states_;
+};
+
+}  // namespace
+
+Result<ProxyTree> build_proxies(ZoneTree&& tree, const SimplifyContext& context, const std::function<void()>& done) {
+  SimplifyContext own = context;
+  const CellGrid grid = tree.grid;
+  own.grid = &grid;
+  return Builder(std::move(tree), own, done).run();
+}
+
+}  // namespace zc

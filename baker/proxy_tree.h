@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Turns a cut world into the nodes that are stored: details, leaf proxies, and those inner proxies that pay; in the
+// index's order (breadth first, siblings contiguous). Deterministic at any thread count.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "baker/cut.h"
+#include "baker/simplify.h"
+#include "base/result.h"
+
+namespace zc {
+
+struct ProxyNode {
+  std::int32_t parent = -1;
+  std::uint32_t first_child = 0;
+  std::uint32_t child_count = 0;
+  std::uint32_t depth = 0;
+  std::uint32_t cell_x = 0;
+  std::uint32_t cell_y = 0;
+  bool is_detail = false;
+  Proxy proxy;
+};
+
+struct ProxyTree {
+  std::vector<ProxyNode> nodes;
+  std::uint64_t lost_triangles = 0;  // of leaves in which nothing survives the rounding to their step
+};
+
+// `done` is called once per zone, from any thread. Fails when nothing survives.
+Result<ProxyTree> build_proxies(ZoneTree&& tree, const SimplifyContext& context, const std::function<void()>& done);
+
+}  // namespace zc

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/simplify.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "baker/cluster.h"
+#include "baker/components.h"
+#include "baker/decimate.h"
+
+namespace zc {
+namespace {
+
+constexpr int kLeafAttempts = 4;
+constexpr double kLeafNormalTurnDeg = 45;
+constexpr double kInnerNormalTurnDeg = 75;
+constexpr double kDecimationStuck = 0.8;  // of what it was given
+constexpr double kInnerTarget = 0.35;   // of the children's triangles
+constexpr double kInnerTargetSmall = 0.65;
+constexpr double kStoredAtMost = 0.70;  // of the children's triangles
+constexpr double kFirstToleranceM = 0.25;
+
+std::vector<bool> locked_vertices(const CellGrid& grid, const Zone& zone, const LatticeMesh& mesh) {
+  std::vector<bool> locked(mesh.vertices.size());
+  for (std::size_t i = 0; i < locked.size(); ++i) locked[i] = grid.on_cell_border(zone, mesh.vertices[i]);
+  return locked;
+}
+
+// A cell whose vertices may join within the tolerance.
+std::uint32_t cluster_cell(double tolerance) {
+  return static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint64_t>(std::max(tolerance / 2, 1.0)))) - 1;
+}
+
+// Doubles the tolerance until the mesh is small enough, or the tolerance senseless for the cell. Returns the last.
+double coarsen(const SimplifyContext& context, const Zone& zone, double tolerance, std::size_t target,
+             LatticeMesh& mesh) {
+  const double limit = bounds_of(mesh).diagonal() / 8;
+  for (; mesh.faces.size() > target; tolerance *= 2) {
+    drop_small_components(mesh, tolerance, target);
+    if (mesh.faces.size() <= target) return tolerance;
+    const auto before = static_cast<double>(mesh.faces.size());
+    mesh = decimate(mesh, locked_vertices(*context.grid, zone, mesh),
+                    {tolerance, target, kInnerNormalTurnDeg, /*keep_material_borders=*/false});
+    if (mesh.faces.size() > target && static_cast<double>(mesh.faces.size()) > kDecimationStuck * before) {
+      // Soup of many loose patches has no edges to collapse.
+      LatticeMesh clustered = cluster_vertices(mesh, locked_vertices(*context.grid, zone, mesh), cluster_cell(tolerance));
+      // Far below the target is worse than somewhat above it.
+      if (clustered.faces.size() >= target / 2 && !clustered.faces.empty()) mesh = std::move(clustered);
+    }
+    if (tolerance > limit || mesh.faces.size() <= target) return tolerance;
+  }
+  return tolerance;
+}
+
+// Whatever it takes: vertices cluster on ever coarser grids; where that would leave nothing, the smallest parts go.
+void force_below(std::size_t target, LatticeMesh& mesh) {
+  for (std::uint32_t cell_log2 = 1; mesh.faces.size() > target && cell_log2 < 30; ++cell_log2) {
+    LatticeMesh clustered = cluster_vertices(mesh, std::vector<bool>(mesh.vertices.size()), cell_log2);
+    if (clustered.faces.empty()) break;
+    mesh = std::move(clustered);
+  }
+  if (mesh.faces.size() > target) drop_components_to(mesh, target);
+  if (mesh.faces.size() > target) {
+    mesh.faces.resize(target);
+    weld(mesh);
+  }
+}
+
+}  // namespace
+
+Proxy round_detail(const LatticeMesh& detail) {
+  Proxy out;
+  out.mesh = detail;
+  out.step_shift = step_shift_for_box(bounds_of(detail));
+  round_to_step(out.mesh, out.step_shift);
+  return out;
+}
+
+Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Proxy& rounded,
+                    const DetailSurface& detail) {
+  Proxy out;
+  double tolerance = context.error_m / context.step_m;
+  bool done = false;
+  const std::vector<bool> locked = locked_vertices(*context.grid, zone, *detail.mesh);
+  for (int attempt = 0; attempt < kLeafAttempts && !done && tolerance >= 0.5; ++attempt, tolerance /= 2) {
+    out.mesh = decimate(*detail.mesh, locked, {tolerance, 0, kLeafNormalTurnDeg, /*keep_material_borders=*/true});
+    out.step_shift = step_shift_for_box(bounds_of(out.mesh));
+    round_to_step(out.mesh, out.step_shift);
+    if (out.mesh.faces.empty()) break;
+    out.error = measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.step_m);
+    done = out.error.max_m <= context.error_m;
+  }
+  const bool needs_force = zone.parent < 0 && (done ? out : rounded).mesh.faces.size() > context.leaf_triangles;
+  if (done && !needs_force) return out;
+  if (!done) out = rounded;
+  if (needs_force) {
+    // A world of one zone: its proxy is the pinned root as well.
+    coarsen(context, zone, kFirstToleranceM / context.step_m, context.leaf_triangles, out.mesh);
+    force_below(context.leaf_triangles, out.mesh);
+    out.step_shift = step_shift_for_box(bounds_of(out.mesh));
+    round_to_step(out.mesh, out.step_shift);
+  }
+  out.error = measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.step_m);
+  return out;
+}
+
+std::optional<Proxy> simplify_inner(const SimplifyContext& context, const Zone& zone,
+                                    std::span<const Proxy* const> children, std::span<const DetailSurface> detail) {
+  const bool is_root = zone.parent < 0;
+  std::size_t sum = 0;
+  double child_error_m = 0;
+  // Not from the children's errors: one lost shed far from everything would make all that is coarser shapeless.
+  double tolerance = kFirstToleranceM / context.step_m;
+  Proxy out;
+  for (const Proxy* child : children) {
+    sum += child->mesh.faces.size();
+    child_error_m = std::max(child_error_m, child->error.max_m);
+    tolerance = std::max(tolerance, child->tolerance);
+    append(out.mesh, child->mesh);
+  }
+  // A node far below the size of a zone is not worth being coarser still: it need only save enough to be stored.
+  const double small = std::min(context.leaf_triangles / 4.0, kInnerTargetSmall * static_cast<double>(sum));
+  const double share = std::max(kInnerTarget * static_cast<double>(sum), small);
+  const std::size_t target =
+      std::max<std::size_t>(1, std::min<std::size_t>(context.leaf_triangles, static_cast<std::size_t>(share)));
+  out.step_shift = step_shift_for_box(bounds_of(out.mesh));
+  round_to_step(out.mesh, out.step_shift);
+  out.tolerance = coarsen(context, zone, tolerance, target, out.mesh);
+  if (is_root) force_below(context.leaf_triangles, out.mesh);
+  if (out.mesh.faces.empty()) {
+    if (!is_root) return std::nullopt;
+    // Rounding left nothing: the root is what it was before it.
+    const Proxy* largest = *std::max_element(children.begin(), children.end(), [](const Proxy* a, const Proxy* b) {
+      return bounds_of(a->mesh).diagonal() < bounds_of(b->mesh).diagonal();
+    });
+    out.mesh = largest->mesh;
+    force_below(context.leaf_triangles, out.mesh);
+  }
+  if (!is_root && static_cast<double>(out.mesh.faces.size()) > kStoredAtMost * static_cast<double>(sum)) return std::nullopt;
+  out.step_shift = step_shift_for_box(bounds_of(out.mesh));
+  round_to_step(out.mesh, out.step_shift);
+  if (out.mesh.faces.empty()) return std::nullopt;
+  out.error = measure_proxy(out.mesh, detail, context.materials, context.step_m);
+  // Refinement must never raise the promised error.
+  out.error.max_m = std::max(out.error.max_m, child_error_m);
+  return out;
+}
+
+}  // namespace zc

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace zc {
+namespace {
+
+Error io_error(const std::filesystem::path& path, const char* what) {
+  return {ErrorCode::kIo, std::string(what) + ": " + std::strerror(errno), path.string()};
+}
+
+// Closes on scope exit; errors of close() matter only after writing, where fsync has already reported them.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  [[nodiscard]] int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+}  // namespace
+
+Result<std::uint64_t> file_size_bytes(const std::filesystem::path& path) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0) return io_error(path, "cannot open");
+  if (!S_ISREG(info.st_mode)) return Error{ErrorCode::kIo, "not a regular file", path.string()};
+  return static_cast<std::uint64_t>(info.st_size);
+}
+
+Status read_range(const std::filesystem::path& path, std::uint64_t offset_bytes, std::span<std::byte> out) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.get() < 0) return io_error(path, "cannot open");
+  std::size_t done = 0;
+  while (done < out.size()) {
+    const ssize_t got =
+        ::pread(file.get(), out.data() + done, out.size() - done, static_cast<off_t>(offset_bytes + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return io_error(path, "cannot read");
+    if (got == 0)
+      return Error{ErrorCode::kIo, "file ends early", path.string(), static_cast<std::int64_t>(offset_bytes + done)};
+    done += static_cast<std::size_t>(got);
+  }
+  return {};
+}
+
+Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, std::uint64_t limit_bytes) {
+  ZC_ASSIGN(const std::uint64_t size, file_size_bytes(path));
+  if (size > limit_bytes)
+    return Error{ErrorCode::kFormat,
+                 "is " + std::to_string(size) + " bytes, more than the " + std::to_string(limit_bytes) + " allowed",
+                 path.string()};
+  std::vector<std::byte> bytes(size);
+  ZC_TRY(read_range(path, 0, bytes));
+  return bytes;
+}
+
+Status write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  std::filesystem::path temporary = path;
+  temporary += ".tmp" + std::to_string(::getpid());
+  {
+    const Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+    if (file.get() < 0) return io_error(path, "cannot create");
+    std::size_t done = 0;
+    while (done < bytes.size()) {
+      const ssize_t put = ::write(file.get(), bytes.data() + done, bytes.size() - done);
+      if (put < 0 && errno == EINTR) continue;
+      if (put < 0) {
+        Error error = io_error(path, "cannot write");
+        ::unlink(temporary.c_str());
+        return error;
+      }
+      done += static_cast<std::size_t>(put);
+    }
+  }
+  if (::rename(temporary.c_str(), path.c_str()) != 0) {
+    Error error = io_error(path, "cannot rename into place");
+    ::unlink(temporary.c_str());
+    return error;
+  }
+  return {};
+}
+
+}  // namespace zc

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whole-file reads and all-or-nothing writes. Untrusted input: sizes are checked before memory is taken.
+// Thread-safe: no state.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "base/result.h"
+
+namespace zc {
+
+// Size in bytes of a regular file. Fails when it is missing or not a regular file.
+Result<std::uint64_t> file_size_bytes(const std::filesystem::path& path);
+
+// The whole file. Fails when it is missing, unreadable, or larger than limit_bytes.
+Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, std::uint64_t limit_bytes);
+
+// [offset_bytes, offset_bytes + out.size()) of the file. Fails on a short read.
+Status read_range(const std::filesystem::path& path, std::uint64_t offset_bytes, std::span<std::byte> out);
+
+// Writes beside `path` under a temporary name, flushes, renames: the file is whole or as it was.
+Status write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+}  // namespace zc

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+
+#include "baker/bake.h"
+#include "baker/import/import.h"
+#include "replay/commands.h"
+#include "replay/progress.h"
+#include "replay/units.h"
+
+namespace zc {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> inputs;
+  std::string out;
+  BakeOptions options;
+};
+
+Status run(const Arguments& arguments) {
+  Progress progress;
+  BakeOptions options = arguments.options;
+  options.progress = [&](double fraction, std::string_view stage) { progress.update(fraction, stage); };
+  progress.update(0, "import");
+  const auto started = std::chrono::steady_clock::now();
+  const std::vector<std::filesystem::path> inputs(arguments.inputs.begin(), arguments.inputs.end());
+  ZC_ASSIGN(Scene scene, import_inputs(inputs, {}));
+  const std::chrono::duration<double> import_s = std::chrono::steady_clock::now() - started;
+  ZC_ASSIGN(const BakeReport report, bake_world(std::move(scene), import_s.count(), options, arguments.out));
+
+  std::size_t zones = 0;
+  for (const NodeRecord& node : report.index.nodes) zones += node.is_detail() ? 1 : 0;
+  for (const ImportCount& note : report.notes) std::cout << "note: " << note.what << ": " << note.count << '\n';
+  std::cout << arguments.out << ": " << report.index.header.source_triangles << " triangles in " << zones << " zones, "
+            << report.index.nodes.size() << " nodes, " << std::fixed << std::setprecision(1) << report.seconds.total
+            << " s, peak memory " << format_bytes(report.peak_rss_bytes) << '\n';
+  return {};
+}
+
+}  // namespace
+
+void add_bake(CLI::App& app, const SetCommand& set) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("bake", "Bake city models into a world of zones");
+  command->add_option("inputs", arguments->inputs, "glTF, GLB, CityJSON 1.1/2.0 or CityJSONSeq files")->required();
+  command->add_option("-o,--output", arguments->out, "World folder to write; an old world there is replaced")
+      ->required();
+  command->add_option("--error", arguments->options.error_m, "Bound on the proxies' surface error, in metres")
+      ->capture_default_str()
+      ->check(CLI::Range(0.001, 100.0));
+  command->add_option("--leaf-triangles", arguments->options.leaf_triangles, "Triangles at which a zone is split")
+      ->capture_default_str()
+      ->check(CLI::Range(64U, 65535U));
+  command->add_option("--threads", arguments->options.threads, "Threads (0: all cores)")
+      ->capture_default_str()
+      ->check(CLI::Range(0U, 256U));
+  command->callback([=] { set([=] { return run(*arguments); }); });
+}
+
+}  // namespace zc

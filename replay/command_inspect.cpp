@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <iomanip>
+#include <iostream>
+#include <memory>
+
+#include "replay/commands.h"
+#include "replay/progress.h"
+#include "replay/units.h"
+#include "replay/world_report.h"
+
+namespace zc {
+namespace {
+
+struct Arguments {
+  std::string world;
+  bool json = false;
+  bool verify = false;
+};
+
+void print_table(const nlohmann::ordered_json& json) {
+  std::cout << json["zones"] << " zones, " << json["nodes"] << " nodes, " << json["source_triangles"]
+            << " source triangles\n"
+            << "resident when all is loaded: " << format_bytes(json["decoded_bytes"]) << ", smallest cap "
+            << format_bytes(json["smallest_cap_bytes"]) << "\n"
+            << "on disk: glb " << format_bytes(json["disk_bytes"]["glb"]) << ", zbvh "
+            << format_bytes(json["disk_bytes"]["zbvh"]) << ", index " << format_bytes(json["disk_bytes"]["index"])
+            << "\n\n depth   nodes  triangles   B/triangle  error max m  error mean m\n";
+  for (const auto& level : json["levels"]) {
+    std::cout << std::setw(6) << (level["detail"] ? std::string("detail") : level["depth"].dump()) << std::setw(8)
+              << level["nodes"].dump() << std::setw(11) << level["triangles"].dump() << std::fixed
+              << std::setprecision(1) << std::setw(13) << level["bytes_per_triangle"].get<double>()
+              << std::setprecision(3) << std::setw(13) << level["error_m_max"].get<double>() << std::setw(14)
+              << level["error_m_mean"].get<double>() << '\n';
+  }
+}
+
+Status run(const Arguments& arguments) {
+  ZC_ASSIGN(const auto source, open_directory_source(arguments.world));
+  ZC_ASSIGN(const std::vector<std::byte> bytes, source->read_all(kWorldIndexName, std::uint64_t{1} << 32U));
+  ZC_ASSIGN(const WorldIndex index,
+            decode_world_index(bytes, (std::filesystem::path(arguments.world) / kWorldIndexName).string()));
+  nlohmann::ordered_json json = describe_world(*source, index);
+  Status verified;
+  if (arguments.verify) {
+    Progress progress;
+    std::uint64_t failures = 0;
+    verified = verify_world(*source, index, failures,
+                            [&](double fraction, std::string_view stage) { progress.update(fraction, stage); });
+    json["verified"] = {{"nodes", index.nodes.size()}, {"failures", failures}};
+  }
+  if (arguments.json) {
+    std::cout << json.dump(2) << '\n';
+  } else {
+    print_table(json);
+    if (arguments.verify)
+      std::cout << "\nverified " << index.nodes.size() << " nodes, " << json["verified"]["failures"] << " failures\n";
+  }
+  return verified;
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& app, const SetCommand& set) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("inspect", "Show what a world holds: zones, levels, bytes, errors");
+  command->add_option("world", arguments->world, "World folder")->required();
+  command->add_flag("--json", arguments->json, "Print JSON");
+  command->add_flag("--verify", arguments->verify, "Read, decode and check every page; exit 1 when one fails");
+  command->callback([=] { set([=] { return run(*arguments); }); });
+}
+
+}  // namespace zc

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <iomanip>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <thread>
+
+#include "base/file.h"
+#include "replay/commands.h"
+#include "replay/progress.h"
+#include "replay/replay_session.h"
+#include "replay/statistics_json.h"
+#include "replay/units.h"
+
+namespace zc {
+namespace {
+
+// As typed; parsed in run(), so that every fault is one line and exit code 2.
+struct Arguments {
+  std::string world, path, out;
+  std::string cap;
+  std::string frames, size = "1280x720", sun = "145,38";
+  std::string latency = "0s", bandwidth;
+  std::string host_budget = "256MiB";
+  std::string device;
+  ClockKind clock = ClockKind::kVirtual;
+  ReflectionMode reflections = ReflectionMode::kScreenAndProxy;
+  std::vector<DebugView> debug_views;
+  unsigned threads = 0;
+  double tolerance = 0.002;
+  double look_ahead_s = 2;
+  bool no_render = false, validate = false, contact_sheet = false, leave_nothing_out = false;
+};
+
+Status parse_sun(const std::string& text, RendererOptions& options) {
+  const std::size_t comma = text.find(',');
+  const auto number = [](const std::string& part, float& value) {
+    std::size_t used = 0;
+    try {
+      value = std::stof(part, &used);
+    } catch (const std::exception&) {
+      return false;
+    }
+    return used == part.size() && std::isfinite(value);
+  };
+  if (comma == std::string::npos || !number(text.substr(0, comma), options.sun_azimuth_deg) ||
+      !number(text.substr(comma + 1), options.sun_elevation_deg) || options.sun_elevation_deg < -90 ||
+      options.sun_elevation_deg > 90)
+    return Error{ErrorCode::kArgument, "'" + text + "' is not a sun direction such as 145,38 (azimuth, elevation)"};
+  return {};
+}
+
+Result<ReplayOptions> to_options(const Arguments& a) {
+  ReplayOptions options;
+  options.world = a.world;
+  options.out = a.out;
+  ZC_ASSIGN(options.streamer.cap_bytes, parse_bytes(a.cap));
+  ZC_ASSIGN(options.host_budget_bytes, parse_bytes(a.host_budget));
+  ZC_ASSIGN(options.streamer.source_latency_s, parse_seconds(a.latency));
+  if (!a.bandwidth.empty()) {
+    ZC_ASSIGN(options.streamer.source_bandwidth_bytes_per_s, parse_bytes_per_second(a.bandwidth));
+  }
+  if (a.clock == ClockKind::kWall && (options.streamer.source_latency_s > 0 || !a.bandwidth.empty()))
+    return Error{ErrorCode::kArgument, "--source-latency and --source-bandwidth need --clock virtual"};
+  if (!a.frames.empty()) {
+    ZC_ASSIGN(options.frames, parse_frames(a.frames));
+  }
+  ZC_ASSIGN(const PictureSize size, parse_size(a.size));
+  ZC_TRY(parse_sun(a.sun, options.renderer));
+  options.renderer.width = size.width;
+  options.renderer.height = size.height;
+  options.renderer.reflections = a.reflections;
+  options.streamer.clock = a.clock;
+  options.streamer.tolerance = a.tolerance;
+  options.streamer.threads = a.threads != 0 ? a.threads : std::max(1U, std::thread::hardware_concurrency());
+  options.look_ahead_s = a.look_ahead_s;
+  options.render = !a.no_render;
+  options.debug_views = a.debug_views;
+  options.device = a.device;
+  options.validation = a.validate;
+  options.contact_sheet = a.contact_sheet;
+  options.leave_nothing_out = a.leave_nothing_out;
+  ZC_ASSIGN(options.path, read_camera_path(a.path));
+  return options;
+}
+
+void print_summary(const ReplayReport& report) {
+  const StreamerStatistics& s = report.streaming;
+  std::cout << s.frames << " frames, " << s.frames_over_cap << " over the cap of " << format_bytes(s.cap_bytes)
+            << "; ledger peak " << format_bytes(s.ledger.peak_bytes) << '\n'
+            << s.zones_loaded << " zones loaded, " << s.zones_evicted << " evicted, " << s.requests.failed
+            << " requests failed\n";
+  if (report.rendered_frames > 0) {
+    std::cout << report.rays.total << " rays: " << report.rays.screen << " screen, " << report.rays.proxy << " proxy, "
+              << report.rays.proxy_coarse << " coarse proxy, " << report.rays.sky << " sky, " << report.rays.lost
+              << " lost\n"
+              << "median frame " << std::fixed << std::setprecision(1) << report.total_ms << " ms on " << report.device
+              << '\n';
+  }
+}
+
+Status run(const Arguments& arguments) {
+  ZC_ASSIGN(ReplayOptions options, to_options(arguments));
+  Progress progress;
+  options.progress = [&](double fraction, std::string_view stage) { progress.update(fraction, stage); };
+  options.on_failure = [](const Error& error) { std::cerr << "warning: " << error.describe() << '\n'; };
+  ZC_ASSIGN(const ReplayReport report, run_replay(options));
+  if (!options.out.empty()) {
+    const std::string text = statistics_json(report).dump(2) + "\n";
+    ZC_TRY(write_file(options.out / "stats.json", std::as_bytes(std::span(text))));
+  }
+  print_summary(report);
+  return {};
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, const SetCommand& set) {
+  const auto a = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("replay", "Page and render a world along a camera path under a memory cap");
+  command->add_option("world", a->world, "World folder")->required();
+  command->add_option("--path", a->path, "Camera path (CSV) or still views (shots.json)")->required();
+  command->add_option("--cap", a->cap, "Hard cap on everything the streamer holds, e.g. 64MiB")->required();
+  command->add_option("-o,--output", a->out, "Folder for frames, stats.json and frames.csv");
+  command->add_option("--frames", a->frames, "Path samples A (inclusive) to B (exclusive): A:B or A:B:STEP");
+  command->add_option("--size", a->size, "Picture size")->capture_default_str();
+  command->add_flag("--no-render", a->no_render, "Page only: no device, no pictures");
+  command
+      ->add_option("--reflections", a->reflections,
+                   "ssr+proxy: screen first, then proxies; proxy: proxies only; full: full detail; none: sky only")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, ReflectionMode>{{"ssr+proxy", ReflectionMode::kScreenAndProxy},
+                                                                    {"proxy", ReflectionMode::kProxy},
+                                                                    {"full", ReflectionMode::kFull},
+                                                                    {"none", ReflectionMode::kNone}}))
+      ->default_str("ssr+proxy");
+  command->add_option("--debug-views", a->debug_views, "Also write, per frame: provenance, bvh, normals, depth")
+      ->delimiter(',')
+      ->transform(CLI::CheckedTransformer(std::map<std::string, DebugView>{{"provenance", DebugView::kProvenance},
+                                                               {"bvh", DebugView::kBvh},
+                                                               {"normals", DebugView::kNormals},
+                                                               {"depth", DebugView::kDepth}}));
+  command->add_flag("--contact-sheet", a->contact_sheet, "Also write contact_sheet.png: twelve frames on one picture");
+  command->add_option("--sun", a->sun, "Sun: azimuth (degrees clockwise from north), elevation")->capture_default_str();
+  command->add_option("--clock", a->clock, "virtual: same path, same log; wall: measures this machine")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, ClockKind>{{"virtual", ClockKind::kVirtual}, {"wall", ClockKind::kWall}}))
+      ->default_str("virtual");
+  command->add_option("--source-latency", a->latency, "Modelled source: latency of a request (virtual clock)")
+      ->capture_default_str();
+  command->add_option("--source-bandwidth", a->bandwidth, "Modelled source: bandwidth, e.g. 20MB/s (default: unlimited)");
+  command->add_option("--threads", a->threads, "Streaming threads (0: all cores)")
+      ->capture_default_str()
+      ->check(CLI::Range(0U, 256U));
+  command->add_option("--tolerance", a->tolerance, "Refine where a proxy's error exceeds this share of its distance")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-6, 1.0));
+  command->add_option("--look-ahead", a->look_ahead_s, "Seconds of the path that paging looks ahead")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 60.0));
+  command->add_option("--host-budget", a->host_budget, "Memory of the stand-in host's full-detail zones, outside the cap")
+      ->capture_default_str();
+  command->add_option("--device", a->device, "Part of the Vulkan device's name");
+  command->add_flag("--validate", a->validate, "Vulkan validation layers with synchronisation validation");
+  command->add_flag("--leave-nothing-out", a->leave_nothing_out, "Run the general pipeline, to measure what is saved");
+  command->callback([=] { set([=] { return run(*a); }); });
+}
+
+}  // namespace zc

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// The commands of the one binary. Each adds itself to the parser; when it was asked for, the parser calls `run` and its
+// Status becomes the exit code.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "base/result.h"
+
+namespace zc {
+
+using SetCommand = std::function<void(std::function<Status()>)>;
+
+void add_generate(CLI::App& app, const SetCommand& set);
+void add_bake(CLI::App& app, const SetCommand& set);
+void add_inspect(CLI::App& app, const SetCommand& set);
+void add_replay(CLI::App& app, const SetCommand& set);
+
+}  // namespace zc

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replay/replay_session.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <glm/geometric.hpp>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "base/file.h"
+#include "replay/frame_log.h"
+#include "replay/png_file.h"
+#include "replay/process_memory.h"
+#include "replay/zone_table.h"
+
+namespace zc {
+namespace {
+
+constexpr std::size_t kLookAheadViews = 8;
+constexpr std::size_t kSheetTiles = 12;
+// The host draws full detail wherever a third of a pixel at 720 lines would show the difference.
+constexpr double kHostTolerance = 0.0004;
+
+const char* debug_name(DebugView view) {
+  switch (view) {
+    case DebugView::kProvenance: return "provenance";
+    case DebugView::kBvh: return "bvh";
+    case DebugView::kNormals: return "normals";
+    case DebugView::kDepth: return "depth";
+  }
+  return "";
+}
+
+// The camera relative to the lattice point next to its eye, so that floats near it are exact.
+Result<RenderCamera> make_camera(const WorldIndex& index, const CameraSample& sample) {
+  RenderCamera camera;
+  camera.step_m = index.step_m();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    const double lattice = sample.eye[axis] / camera.step_m - static_cast<double>(index.header.anchor[i]);
+    if (!(std::abs(lattice) < 2e9))
+      return Error{ErrorCode::kArgument, "the camera at " + std::to_string(sample.time_s) +
+                                             " s lies too far from the world: do path and world share a CRS?"};
+    camera.lattice[i] = static_cast<std::int32_t>(std::llround(lattice));
+    camera.eye[axis] = static_cast<float>((lattice - camera.lattice[i]) * camera.step_m);
+  }
+  const glm::dvec3 forward = glm::normalize(sample.target - sample.eye);
+  const glm::dvec3 up = std::abs(forward.z) > 0.9999 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, up));
+  camera.forward = glm::vec3(forward);
+  camera.right = glm::vec3(right);
+  camera.up = glm::vec3(glm::cross(right, forward));
+  camera.fov_y_deg = static_cast<float>(sample.fov_y_deg);
+  double diagonal = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double extent = static_cast<double>(index.header.bounds_max[i]) - index.header.bounds_min[i];
+    diagonal += extent * extent;
+  }
+  camera.ray_length_m = static_cast<float>(std::max(100.0, 2 * std::sqrt(diagonal) * camera.step_m));
+  return camera;
+}
+
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+std::uint32_t deepest_page(const WorldIndex& index) {
+  std::uint32_t depth = 1;
+  for (const NodeRecord& node : index.nodes) depth = std::max(depth, node.bvh_depth);
+  return depth;
+}
+
+// Everything that draws; absent in --no-render.
+struct Drawing {
+  std::unique_ptr<Device> device;
+  std::optional<ZoneSet> proxies, host;
+  std::optional<GpuPageSink> proxy_sink, host_sink;
+  std::unique_ptr<Streamer> host_streamer;
+  std::optional<ZoneTable> proxy_table, host_table;
+  std::unique_ptr<Renderer> renderer;
+};
+
+class Session {
+ public:
+  explicit Session(const ReplayOptions& options) : options_(options) {}
+
+  Result<ReplayReport> run() {
+    ZC_ASSIGN(source_, open_directory_source(options_.world));
+    if (options_.render) ZC_TRY(open_device());
+    reset_peak_resident_set();
+    report_.baseline_rss_bytes = resident_set_bytes();
+    ZC_TRY(open_world());
+    if (!options_.out.empty()) ZC_TRY(open_files());
+    ZC_TRY(replay_frames());
+    return finish();
+  }
+
+ private:
+  Status open_device() {
+    ZC_ASSIGN(drawing_.device, Device::create({options_.device, options_.validation}));
+    drawing_.proxies.emplace(*drawing_.device);
+    drawing_.host.emplace(*drawing_.device);
+    report_.device = drawing_.device->name();
+    report_.driver = drawing_.device->driver();
+    return {};
+  }
+
+  Status open_world() {
+    StreamerOptions paging = options_.streamer;
+    paging.on_failure = options_.on_failure;
+    if (!options_.render) {
+      ZC_ASSIGN(streamer_, Streamer::open(*source_, paging, heap_sink_));
+      return {};
+    }
+    ZC_ASSIGN(const std::vector<std::byte> bytes, source_->read_all(kWorldIndexName, std::uint64_t{1} << 32U));
+    ZC_ASSIGN(const WorldIndex index, decode_world_index(bytes, (options_.world / kWorldIndexName).string()));
+    const auto max_zones = static_cast<std::uint32_t>(index.nodes.size());
+    const std::uint64_t pool_limit = drawing_.device->limits().maxStorageBufferRange;
+    drawing_.proxy_sink.emplace(*drawing_.proxies, max_zones);
+    drawing_.host_sink.emplace(*drawing_.host, max_zones);
+    paging.pool_limit_bytes = std::min(paging.pool_limit_bytes, pool_limit);
+    ZC_ASSIGN(streamer_, Streamer::open(*source_, paging, *drawing_.proxy_sink));
+
+    // The host's own scene: full detail at once, whatever the modelled source does to the reflections' pages.
+    StreamerOptions host;
+    host.cap_bytes = options_.host_budget_bytes;
+    host.pool_limit_bytes = std::min(host.pool_limit_bytes, pool_limit);
+    host.threads = options_.streamer.threads;
+    host.tolerance = kHostTolerance;
+    host.include_detail = true;
+    host.trace_limit_bytes = 0;
+    host.on_failure = options_.on_failure;
+    ZC_ASSIGN(drawing_.host_streamer, Streamer::open(*source_, host, *drawing_.host_sink));
+
+    drawing_.proxy_table.emplace(*streamer_, *drawing_.proxies, options_.streamer.tolerance);
+    drawing_.host_table.emplace(*drawing_.host_streamer, *drawing_.host, 0.0);
+    std::vector<gpu::MaterialEntry> materials;
+    for (const MaterialRecord& m : index.materials)
+      materials.push_back({m.base_color[0], m.base_color[1], m.base_color[2], m.roughness, m.metallic, m.flags, 0, 0});
+    mirrors_ = std::ranges::any_of(index.materials, [&](const MaterialRecord& m) {
+      return m.roughness < options_.renderer.roughness_cut;
+    });
+    RendererOptions renderer = options_.renderer;
+    renderer.page_depth = deepest_page(index);
+    renderer.max_zones = max_zones;
+    if (!mirrors_ && !options_.leave_nothing_out) renderer.reflections = ReflectionMode::kNone;
+    ZC_ASSIGN(drawing_.renderer,
+              Renderer::create(*drawing_.device, *drawing_.proxies, *drawing_.host, materials, renderer));
+    return {};
+  }
+
+  Status open_files() {
+    std::error_code failure;
+    std::filesystem::create_directories(options_.out / (options_.render ? "frames" : ""), failure);
+    if (failure)
+      return Error{ErrorCode::kIo, "cannot create the folder: " + failure.message(), options_.out.string()};
+    for (const DebugView view : options_.debug_views) {
+      if (options_.render) std::filesystem::create_directories(options_.out / debug_name(view), failure);
+    }
+    ZC_ASSIGN(log_, FrameLog::create(options_.out / "frames.csv", options_.render));
+    return {};
+  }
+
+  Status replay_frames() {
+    const std::uint64_t end = std::min<std::uint64_t>(options_.frames.end, options_.path.size());
+    if (options_.frames.begin >= end)
+      return Error{ErrorCode::kArgument, "the path has " + std::to_string(options_.path.size()) +
+                                             " samples, none of them in the frames asked for"};
+    const std::uint64_t count = (end - options_.frames.begin + options_.frames.step - 1) / options_.frames.step;
+    const auto started = std::chrono::steady_clock::now();
+    const double first_s = options_.path[options_.frames.begin].time_s;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const std::uint64_t frame = options_.frames.begin + i * options_.frames.step;
+      const CameraSample& sample = options_.path[frame];
+      if (options_.streamer.clock == ClockKind::kWall)
+        std::this_thread::sleep_until(started + std::chrono::duration<double>(sample.time_s - first_s));
+      ZC_TRY(streamer_->advance(views_at(sample), sample.time_s));
+      std::optional<FrameResult> drawn;
+      if (options_.render) {
+        ZC_ASSIGN(drawn, draw(sample, frame, i, count));
+      }
+      peak_rss_ = std::max(peak_rss_, resident_set_bytes());
+      if (log_) ZC_TRY(log_->add(frame, streamer_->statistics().frame, drawn ? &*drawn : nullptr));
+      if (options_.progress) options_.progress(static_cast<double>(i + 1) / static_cast<double>(count), "replay");
+    }
+    return {};
+  }
+
+  // Now, and where the path will be; a still view looks nowhere but where it is.
+  std::vector<View> views_at(const CameraSample& sample) const {
+    std::vector<View> views = {View{sample.eye}};
+    if (!sample.name.empty()) return views;
+    for (std::size_t i = 1; i <= kLookAheadViews && options_.look_ahead_s > 0; ++i) {
+      const double ahead_s = options_.look_ahead_s * static_cast<double>(i) / kLookAheadViews;
+      views.push_back({eye_at(options_.path, sample.time_s + ahead_s)});
+    }
+    return views;
+  }
+
+  Result<FrameResult> draw(const CameraSample& sample, std::uint64_t frame, std::uint64_t ordinal,
+                           std::uint64_t count) {
+    ZC_ASSIGN(const RenderCamera camera, make_camera(streamer_->index(), sample));
+    const View view{sample.eye};
+    ZC_TRY(drawing_.host_streamer->advance(std::span(&view, 1), sample.time_s));
+    ZC_TRY(drawing_.host_table->update(view));
+    ZC_TRY(drawing_.proxy_table->update(view));
+    const double aspect = static_cast<double>(options_.renderer.width) / options_.renderer.height;
+    ZC_ASSIGN(const FrameResult result, drawing_.renderer->render(
+                                            camera, drawing_.host_table->draws(camera, aspect,
+                                                                               !options_.leave_nothing_out)));
+    const gpu::Counters& c = result.counters;
+    report_.rays.screen += c.rays_screen;
+    report_.rays.proxy += c.rays_proxy;
+    report_.rays.proxy_coarse += c.rays_proxy_coarse;
+    report_.rays.sky += c.rays_sky;
+    report_.rays.lost += c.rays_lost;
+    report_.rays.total += c.pixel_count;
+    ++report_.rendered_frames;
+    for (std::size_t i = 0; i < kPassCount; ++i) pass_samples_[i].push_back(result.pass_ms[i]);
+    total_samples_.push_back(result.total_ms);
+    if (options_.out.empty()) return result;
+
+    char number[24];
+    std::snprintf(number, sizeof(number), "%06llu.png", static_cast<unsigned long long>(frame));
+    const std::string file = sample.name.empty() ? std::string(number) : safe_name(sample.name) + ".png";
+    ZC_TRY(save(options_.out / "frames" / file, options_.contact_sheet && on_sheet(ordinal, count)));
+    for (const DebugView debug : options_.debug_views) {
+      ZC_TRY(drawing_.renderer->draw_debug(debug, drawing_.proxy_table->draws(camera, aspect, true)));
+      ZC_TRY(save(options_.out / debug_name(debug) / file, false));
+    }
+    return result;
+  }
+
+  // Frames spread evenly over the replay, first and last included.
+  static bool on_sheet(std::uint64_t ordinal, std::uint64_t count) {
+    const std::uint64_t tiles = std::min<std::uint64_t>(kSheetTiles, count);
+    if (tiles == 1) return ordinal == 0;
+    for (std::uint64_t tile = 0; tile < tiles; ++tile) {
+      if (ordinal == tile * (count - 1) / (tiles - 1)) return true;
+    }
+    return false;
+  }
+
+  // A shot's name comes from a file: nothing but letters, digits, '-' and '_' reaches the file system.
+  static std::string safe_name(std::string name) {
+    for (char& c : name) {
+      const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
+      if (!plain) c = '_';
+    }
+    return name;
+  }
+
+  Status save(const std::filesystem::path& file, bool sheet) {
+    Picture picture{options_.renderer.width, options_.renderer.height, {}};
+    const auto pixels = drawing_.renderer->pixels();
+    picture.rgba.resize(pixels.size());
+    std::ranges::transform(pixels, picture.rgba.begin(), [](std::byte b) { return static_cast<std::uint8_t>(b); });
+    ZC_TRY(write_png(file, picture));
+    if (sheet) tiles_.push_back(scale_down(picture, 480));
+    return {};
+  }
+
+  Result<ReplayReport> finish() {
+    report_.streaming = streamer_->statistics();
+    const auto optimal = streamer_->reloads_optimal();
+    report_.reloads_optimal_known = optimal.has_value();
+    report_.reloads_optimal = optimal.value_or(0);
+    report_.peak_rss_bytes = std::max(peak_rss_, peak_resident_set_bytes());
+    for (std::size_t i = 0; i < kPassCount; ++i) report_.pass_ms[i] = median(pass_samples_[i]);
+    report_.total_ms = median(total_samples_);
+    if (options_.render) {
+      report_.host_bytes = drawing_.host_streamer->statistics().ledger.peak_bytes;
+      report_.validation_messages = drawing_.device->validation_messages();
+      if (!options_.leave_nothing_out) {
+        if (!mirrors_) report_.left_out.emplace_back("reflections: no material of this world mirrors");
+        report_.left_out.emplace_back("gbuffer: zones outside the view");
+        if (options_.renderer.reflections != ReflectionMode::kScreenAndProxy)
+          report_.left_out.emplace_back("hiz, ssr: not asked for");
+      }
+    } else {
+      report_.left_out.emplace_back("render: not asked for");
+    }
+    if (log_) ZC_TRY(log_->close());
+    if (!tiles_.empty()) ZC_TRY(write_png(options_.out / "contact_sheet.png", make_contact_sheet(tiles_, 3, 480)));
+    return std::move(report_);
+  }
+
+  const ReplayOptions& options_;
+  ReplayReport report_;
+  std::unique_ptr<Source> source_;
+  HeapPageSink heap_sink_;
+  Drawing drawing_;
+  std::unique_ptr<Streamer> streamer_;
+  std::optional<FrameLog> log_;
+  std::vector<Picture> tiles_;
+  bool mirrors_ = false;
+  std::uint64_t peak_rss_ = 0;
+  std::array<std::vector<double>, kPassCount> pass_samples_;
+  std::vector<double> total_samples_;
+};
+
+}  // namespace
+
+Result<ReplayReport> run_replay(const ReplayOptions& options) { return Session(options).run(); }
+
+}  // namespace zc

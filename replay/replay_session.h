@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// A replay: a world, a path, a cap, and what came of it. The composition root's own composition.
+// Threads: one caller. Fails on bad input, a cap that is too small, a device that refuses.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "replay/camera_path.h"
+#include "replay/units.h"
+#include "runtime/renderer.h"
+#include "streamer/streamer.h"
+
+namespace zc {
+
+struct ReplayOptions {
+  std::filesystem::path world;
+  CameraPath path;
+  std::filesystem::path out;  // empty: no files
+  StreamerOptions streamer;
+  std::uint64_t host_budget_bytes = 256ULL << 20U;  // of the host's full-detail zones, outside the cap
+  double look_ahead_s = 2;
+  FrameRange frames;
+  bool render = true;
+  bool leave_nothing_out = false;
+  bool contact_sheet = false;
+  std::string device;
+  bool validation = false;
+  RendererOptions renderer;
+  std::vector<DebugView> debug_views;
+  std::function<void(double fraction, std::string_view stage)> progress;
+  std::function<void(const Error&)> on_failure;  // a page that failed; the replay goes on
+};
+
+struct RayCounts {
+  std::uint64_t total = 0, screen = 0, proxy = 0, proxy_coarse = 0, sky = 0, lost = 0;
+};
+
+struct ReplayReport {
+  StreamerStatistics streaming;
+  std::uint64_t reloads_optimal = 0;
+  bool reloads_optimal_known = false;
+  std::uint64_t baseline_rss_bytes = 0;
+  std::uint64_t peak_rss_bytes = 0;
+  std::uint64_t host_bytes = 0;
+  RayCounts rays;
+  std::uint64_t rendered_frames = 0;
+  std::array<double, kPassCount> pass_ms = {};  // medians
+  double total_ms = 0;                          // median
+  std::vector<std::string> left_out;
+  std::string device, driver;
+  std::uint64_t validation_messages = 0;
+};
+
+Result<ReplayReport> run_replay(const ReplayOptions& options);
+
+inline constexpr std::array<const char*, kPassCount> kPassNames = {"gbuffer", "hiz",   "classify", "ssr",      "compact",
+                                                                   "trace",   "shade", "filter",   "composite"};
+
+}  // namespace zc

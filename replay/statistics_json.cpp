@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replay/statistics_json.h"
+
+namespace zc {
+
+nlohmann::ordered_json statistics_json(const ReplayReport& report) {
+  const StreamerStatistics& s = report.streaming;
+  nlohmann::ordered_json summary;
+  summary["frames"] = s.frames;
+  summary["cap_bytes"] = s.cap_bytes;
+  summary["peak_ledger_bytes"] = s.ledger.peak_bytes;
+  summary["frames_over_cap"] = s.frames_over_cap;
+  summary["peak_rss_bytes"] = report.peak_rss_bytes;
+  summary["baseline_rss_bytes"] = report.baseline_rss_bytes;
+  summary["zones_loaded"] = s.zones_loaded;
+  summary["zones_evicted"] = s.zones_evicted;
+  summary["reloads"] = s.reloads;
+  summary["reloads_optimal"] = nullptr;
+  if (report.reloads_optimal_known) summary["reloads_optimal"] = report.reloads_optimal;
+  summary["wanted_level_fraction"] =
+      s.frames == 0 ? 1.0 : static_cast<double>(s.wanted_level_frames) / static_cast<double>(s.frames);
+  summary["request_to_resident_ms"] = {{"p50", s.request_to_resident_ms.p50_ms},
+                                       {"p95", s.request_to_resident_ms.p95_ms},
+                                       {"p99", s.request_to_resident_ms.p99_ms},
+                                       {"max", s.request_to_resident_ms.max_ms}};
+  summary["requests"] = {{"issued", s.requests.issued},
+                         {"completed", s.requests.completed},
+                         {"cancelled", s.requests.cancelled},
+                         {"failed", s.requests.failed},
+                         {"retried", s.requests.retried}};
+  summary["bytes_read"] = s.bytes_read;
+  summary["rays"] = {{"total", report.rays.total},
+                     {"screen", report.rays.screen},
+                     {"proxy", report.rays.proxy},
+                     {"proxy_coarse", report.rays.proxy_coarse},
+                     {"sky", report.rays.sky},
+                     {"lost", report.rays.lost}};
+  nlohmann::ordered_json pass_ms;
+  for (std::size_t i = 0; i < kPassCount; ++i) pass_ms[kPassNames[i]] = report.pass_ms[i];
+  pass_ms["total"] = report.total_ms;
+  summary["pass_ms"] = std::move(pass_ms);
+  summary["rendered_frames"] = report.rendered_frames;
+  summary["host_bytes"] = report.host_bytes;
+  summary["validation_messages"] = report.validation_messages;
+  summary["left_out"] = report.left_out;
+  summary["event_log_xxh3"] = s.event_log_xxh3;
+  summary["device"] = report.device;
+  summary["driver"] = report.driver;
+  summary["version"] = ZONECAST_VERSION;
+  nlohmann::ordered_json ledger;
+  for (std::size_t i = 0; i < kLedgerClassCount; ++i) {
+    ledger[ledger_class_name(static_cast<LedgerClass>(i))] = {{"current_bytes", s.ledger_classes[i].current_bytes},
+                                                              {"peak_bytes", s.ledger_classes[i].peak_bytes}};
+  }
+  return {{"summary", std::move(summary)}, {"ledger", std::move(ledger)}};
+}
+
+}  // namespace zc

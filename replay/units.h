@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Quantities as people write them on the command line. Fails with kArgument, naming the text.
+// Thread-safe: no state.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "base/result.h"
+
+namespace zc {
+
+Result<std::uint64_t> parse_bytes(const std::string& text);          // "64MiB", "2 GB", "4096"
+Result<double> parse_seconds(const std::string& text);               // "50ms", "1.5s"
+Result<double> parse_bytes_per_second(const std::string& text);      // "20MB/s"
+std::string format_bytes(std::uint64_t bytes);                       // "12.3 MiB"
+
+struct FrameRange {
+  std::uint64_t begin = 0;
+  std::uint64_t end = UINT64_MAX;  // exclusive
+  std::uint64_t step = 1;
+};
+Result<FrameRange> parse_frames(const std::string& text);  // "A:B" or "A:B:STEP"
+
+struct PictureSize {
+  std::uint32_t width = 1280;
+  std::uint32_t height = 720;
+};
+Result<PictureSize> parse_size(const std::string& text);  // "1280x720"
+
+}  // namespace zc

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replay/world_report.h"
+
+#include <algorithm>
+#include <map>
+
+#include "shaders/shared/page.h"
+#include "streamer/page_loader.h"
+#include "streamer/streamer.h"
+
+namespace zc {
+namespace {
+
+constexpr const char* kBakeReport = "bake.json";
+
+struct Level {
+  std::uint64_t nodes = 0, triangles = 0, bvh_nodes = 0, page_bytes = 0;
+  double error_max_m = 0, error_sum_m = 0;
+
+  void add(const NodeRecord& node) {
+    ++nodes;
+    triangles += node.triangle_count;
+    bvh_nodes += node.bvh_node_count;
+    page_bytes += node.page_bytes;
+    error_max_m = std::max(error_max_m, static_cast<double>(node.error_max_m));
+    error_sum_m += static_cast<double>(node.error_mean_m) * node.triangle_count;
+  }
+
+  [[nodiscard]] nlohmann::ordered_json to_json() const {
+    const std::uint64_t header_bytes = nodes * sizeof(gpu::PageHeader);
+    const double count = static_cast<double>(std::max<std::uint64_t>(triangles, 1));
+    return {{"nodes", nodes},
+            {"triangles", triangles},
+            {"bytes",
+             {{"nodes", bvh_nodes * sizeof(gpu::BvhNode) + header_bytes},
+              {"triangles", triangles * sizeof(gpu::PageTriangle)},
+              {"normals", 0},  // computed from the triangle where it is hit
+              {"uv", 0},
+              {"texture", 0},
+              {"index", nodes * sizeof(NodeRecord)}}},
+            {"bytes_per_triangle", static_cast<double>(page_bytes) / count},
+            {"error_m_max", error_max_m},
+            {"error_m_mean", error_sum_m / count}};
+  }
+};
+
+}  // namespace
+
+nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index) {
+  std::map<std::uint32_t, Level> levels;
+  Level detail;
+  std::uint64_t zones = 0, decoded = 0, glb = 0, zbvh = 0;
+  for (const NodeRecord& node : index.nodes) {
+    glb += node.glb_bytes;
+    zbvh += node.bvh_bytes;
+    if (node.is_detail()) {
+      ++zones;  // every zone has its full detail under it
+      detail.add(node);
+    } else {
+      decoded += node.page_bytes;
+      levels[node.depth].add(node);
+    }
+  }
+  nlohmann::ordered_json json;
+  json["zones"] = zones;
+  json["nodes"] = index.nodes.size();
+  json["source_triangles"] = index.header.source_triangles;
+  json["crs"] = index.crs;
+  json["decoded_bytes"] = decoded;
+  json["smallest_cap_bytes"] = smallest_cap_bytes(index);
+  json["levels"] = nlohmann::ordered_json::array();
+  for (const auto& [depth, level] : levels) {
+    nlohmann::ordered_json row = {{"depth", depth}, {"detail", false}};
+    row.update(level.to_json());
+    json["levels"].push_back(std::move(row));
+  }
+  nlohmann::ordered_json row = {{"depth", nullptr}, {"detail", true}};
+  row.update(detail.to_json());
+  json["levels"].push_back(std::move(row));
+  json["disk_bytes"] = {{"glb", glb}, {"zbvh", zbvh}, {"index", encode_world_index(index).size()}};
+  const auto bake = source.read_all(kBakeReport, 1 << 20);
+  if (bake) {
+    const auto* text = reinterpret_cast<const char*>(bake->data());
+    const auto report = nlohmann::ordered_json::parse(text, text + bake->size(), nullptr, false);
+    if (report.is_object() && report.contains("bake_s")) json["bake_s"] = report["bake_s"];
+  }
+  return json;
+}
+
+Status verify_world(Source& source, const WorldIndex& index, std::uint64_t& failures,
+                    const std::function<void(double fraction, std::string_view stage)>& progress) {
+  failures = 0;
+  Status first;
+  for (std::uint32_t node = 0; node < index.nodes.size(); ++node) {
+    const auto page = load_page(source, index, node);
+    if (!page) {
+      if (++failures == 1) first = page.error();
+    }
+    progress(static_cast<double>(node + 1) / static_cast<double>(index.nodes.size()), "verify");
+  }
+  return first;
+}
+
+}  // namespace zc

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `inspect` tells of a world. Thread-safe: no state.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "base/result.h"
+#include "streamer/source.h"
+#include "streamer/world_format/world_index.h"
+
+namespace zc {
+
+// Keys as DESIGN names them for `inspect --json`. bake_s comes from bake.json and is absent without it.
+nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index);
+
+// Reads, hashes, decodes and checks every page. The first failure is returned; `failures` counts all.
+Status verify_world(Source& source, const WorldIndex& index, std::uint64_t& failures,
+                    const std::function<void(double fraction, std::string_view stage)>& progress);
+
+}  // namespace zc

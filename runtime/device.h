@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// One Vulkan device with one queue for graphics, compute and transfer. Needs Vulkan 1.2 and nothing optional.
+// Owns: instance, device, command pool. Threads: one at a time. Fails when no device fits or the driver refuses.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "base/result.h"
+
+namespace zc {
+
+struct DeviceOptions {
+  std::string name;         // part of the device's name, any case; empty: a discrete GPU if there is one, else the first
+  bool validation = false;  // Khronos validation with synchronisation validation
+};
+
+// OK, or a kDevice error naming the call.
+Status vk_status(VkResult result, const char* call);
+
+class Device {
+ public:
+  static Result<std::unique_ptr<Device>> create(const DeviceOptions& options);
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  ~Device();
+
+  [[nodiscard]] VkDevice handle() const { return device_; }
+  [[nodiscard]] const VkPhysicalDeviceLimits& limits() const { return properties_.limits; }
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::string& driver() const { return driver_; }
+  // Warnings and errors of the validation layers so far; 0 when they are off.
+  [[nodiscard]] std::uint64_t validation_messages() const { return validation_messages_; }
+
+  // Records commands, submits them and waits until they are done.
+  Status run(const std::function<void(VkCommandBuffer)>& record);
+
+  // A memory type out of type_bits with all of `required`, preferring one that also has `preferred`.
+  Result<std::uint32_t> memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required,
+                                    VkMemoryPropertyFlags preferred) const;
+  [[nodiscard]] VkMemoryPropertyFlags memory_flags(std::uint32_t type) const {
+    return memory_.memoryTypes[type].propertyFlags;
+  }
+
+ private:
+  Device() = default;
+  Status create_instance(const DeviceOptions& options);
+  Status pick(const DeviceOptions& options);
+  Status create_device();
+  static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                                   VkDebugUtilsMessageTypeFlagsEXT type,
+                                                   const VkDebugUtilsMessengerCallbackDataEXT* data, void* self);
+
+  VkInstance instance_ = VK_NULL_HANDLE;
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+  VkDevice device_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE;
+  std::uint32_t queue_family_ = 0;
+  VkCommandPool pool_ = VK_NULL_HANDLE;
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;
+  VkFence fence_ = VK_NULL_HANDLE;
+  VkPhysicalDeviceProperties properties_ = {};
+  VkPhysicalDeviceMemoryProperties memory_ = {};
+  std::string name_;
+  std::string driver_;
+  std::uint64_t validation_messages_ = 0;
+};
+
+}  // namespace zc
+
+// Return the error of a Vulkan call from the enclosing function.
+#define ZC_VK(call) ZC_TRY(::zc::vk_status((call), #call))

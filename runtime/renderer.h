@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws one frame: the host's G-buffer from full-detail zones, screen-space reflections, and where they find nothing a
+// ray against the resident proxies (Fredriksson & Scott 2016, "the thesis").
+// Borrows the device and both zone sets. Threads: as the device. Fails when the driver refuses.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "runtime/pipelines.h"
+#include "runtime/zone_set.h"
+#include "shaders/shared/page.h"
+
+namespace zc {
+
+enum class ReflectionMode {
+  kScreenAndProxy,  // SSR first, proxies for what it does not resolve
+  kProxy,           // every ray against the proxies
+  kFull,            // every ray against the host's full detail
+  kNone,            // mirrors show the sky
+};
+
+enum class DebugView { kProvenance, kBvh, kNormals, kDepth };
+
+struct RendererOptions {
+  std::uint32_t width = 1280;
+  std::uint32_t height = 720;
+  ReflectionMode reflections = ReflectionMode::kScreenAndProxy;
+  float sun_azimuth_deg = 145;   // clockwise from north (+y)
+  float sun_elevation_deg = 38;
+  float roughness_cut = 0.35F;   // rougher surfaces do not mirror
+  std::uint32_t screen_steps = 256;
+  std::uint32_t page_depth = gpu::kPageMaxDepth;  // deepest page that will be traced
+  std::uint32_t max_zones = 1;                    // most zones ever resident in one set
+};
+
+struct RenderCamera {
+  std::array<std::int32_t, 3> lattice = {};  // lattice point that the frame is relative to
+  double step_m = 1.0 / 256;                 // lattice step
+  glm::vec3 eye = {};                        // metres from that point
+  glm::vec3 right = {}, up = {}, forward = {};  // orthonormal
+  float fov_y_deg = 60;
+  float ray_length_m = 20000;  // no ray needs to go further
+};
+
+// A zone of the host set to draw: its slot and how many triangles its page has.
+struct ZoneDraw {
+  std::uint32_t slot = 0;
+  std::uint32_t triangle_count = 0;
+  std::uint32_t node_count = 0;
+};
+
+enum class Pass { kGbuffer, kHiz, kClassify, kSsr, kCompact, kTrace, kShade, kFilter, kComposite };
+inline constexpr std::size_t kPassCount = 9;
+
+struct FrameResult {
+  gpu::Counters counters = {};
+  std::array<double, kPassCount> pass_ms = {};
+  double total_ms = 0;
+};
+
+class Renderer {
+ public:
+  static Result<std::unique_ptr<Renderer>> create(Device& device, const ZoneSet& proxies, const ZoneSet& host,
+                                                  std::span<const gpu::MaterialEntry> materials,
+                                                  const RendererOptions& options);
+  ~Renderer();
+
+  // host_draws: zones of the host set to rasterise, already culled.
+  Result<FrameResult> render(const RenderCamera& camera, std::span<const ZoneDraw> host_draws);
+  // Replaces the picture of the last frame. proxy_draws: the proxy set's zones, for kBvh.
+  Status draw_debug(DebugView view, std::span<const ZoneDraw> proxy_draws);
+  // The picture: width × height RGBA8 (sRGB), top row first; valid until the next call.
+  [[nodiscard]] std::span<const std::byte> pixels() const;
+
+  // Closest hits of rays (positions relative to camera_lattice) against the proxy set or the host set: for tests and
+  // benchmarks. At most width × height rays at a time.
+  Result<std::vector<gpu::HitRecord>> trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays, bool host,
+                                            double* milliseconds = nullptr);
+
+ private:
+  Renderer(Device& device, const ZoneSet& proxies, const ZoneSet& host, const RendererOptions& options)
+      : device_(device), proxies_(proxies), host_(host), options_(options), layout_(device) {}
+  Status create_buffers(std::span<const gpu::MaterialEntry> materials);
+  Status create_targets();
+  Status create_pipelines();
+  void write_frame(const RenderCamera& camera);
+  void record_gbuffer(VkCommandBuffer c, std::span<const ZoneDraw> draws) const;
+  void record_lines(VkCommandBuffer c, std::span<const ZoneDraw> draws) const;
+  void record_readback(VkCommandBuffer c) const;
+  void bind(VkCommandBuffer c, const Pipeline& pipeline) const;
+  void dispatch_pixels(VkCommandBuffer c, const Pipeline& pipeline, std::uint32_t width, std::uint32_t height,
+                       const gpu::PassConstants& constants = {}) const;
+  void dispatch_indirect(VkCommandBuffer c, const Pipeline& pipeline, std::size_t offset_bytes) const;
+  void stamp(VkCommandBuffer c, std::uint32_t index) const;
+
+  Device& device_;
+  const ZoneSet& proxies_;
+  const ZoneSet& host_;
+  RendererOptions options_;
+  PassLayout layout_;
+  gpu::FrameData frame_ = {};
+
+  Buffer frame_buffer_, materials_, hiz_, lit_, reflection_, provenance_, pixel_list_, rays_, hits_, counters_, output_;
+  Buffer readback_, counters_readback_;
+  Image depth_, surface_, identity_, overlay_;
+  VkRenderPass gbuffer_pass_ = VK_NULL_HANDLE;
+  VkRenderPass overlay_pass_ = VK_NULL_HANDLE;
+  VkFramebuffer gbuffer_target_ = VK_NULL_HANDLE;
+  VkFramebuffer overlay_target_ = VK_NULL_HANDLE;
+  VkQueryPool queries_ = VK_NULL_HANDLE;
+  Pipeline draw_zone_, draw_lines_, light_, reduce_, classify_, size_, march_, trace_proxies_, trace_host_, shade_,
+      composite_, debug_;
+};
+
+}  // namespace zc

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/shader_code.h"
+
+#include "spirv/classify_pixels.comp.h"
+#include "spirv/composite_frame.comp.h"
+#include "spirv/draw_lines.frag.h"
+#include "spirv/draw_lines.vert.h"
+#include "spirv/draw_zone.frag.h"
+#include "spirv/draw_zone.vert.h"
+#include "spirv/light_surfaces.comp.h"
+#include "spirv/march_screen.comp.h"
+#include "spirv/reduce_depth.comp.h"
+#include "spirv/shade_hits.comp.h"
+#include "spirv/show_debug.comp.h"
+#include "spirv/size_dispatch.comp.h"
+#include "spirv/trace_rays.comp.h"
+
+namespace zc::shader {
+
+std::span<const std::uint32_t> draw_zone_vert() { return ::draw_zone_vert; }
+std::span<const std::uint32_t> draw_zone_frag() { return ::draw_zone_frag; }
+std::span<const std::uint32_t> draw_lines_vert() { return ::draw_lines_vert; }
+std::span<const std::uint32_t> draw_lines_frag() { return ::draw_lines_frag; }
+std::span<const std::uint32_t> light_surfaces() { return ::light_surfaces_comp; }
+std::span<const std::uint32_t> reduce_depth() { return ::reduce_depth_comp; }
+std::span<const std::uint32_t> classify_pixels() { return ::classify_pixels_comp; }
+std::span<const std::uint32_t> size_dispatch() { return ::size_dispatch_comp; }
+std::span<const std::uint32_t> march_screen() { return ::march_screen_comp; }
+std::span<const std::uint32_t> trace_rays() { return ::trace_rays_comp; }
+std::span<const std::uint32_t> shade_hits() { return ::shade_hits_comp; }
+std::span<const std::uint32_t> composite_frame() { return ::composite_frame_comp; }
+std::span<const std::uint32_t> show_debug() { return ::show_debug_comp; }
+
+}  // namespace zc::shader

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// The SPIR-V that glslang made at build time.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace zc::shader {
+
+std::span<const std::uint32_t> draw_zone_vert();
+std::span<const std::uint32_t> draw_zone_frag();
+std::span<const std::uint32_t> draw_lines_vert();
+std::span<const std::uint32_t> draw_lines_frag();
+std::span<const std::uint32_t> light_surfaces();
+std::span<const std::uint32_t> reduce_depth();
+std::span<const std::uint32_t> classify_pixels();
+std::span<const std::uint32_t> size_dispatch();
+std::span<const std::uint32_t> march_screen();
+std::span<const std::uint32_t> trace_rays();
+std::span<const std::uint32_t> shade_hits();
+std::span<const std::uint32_t> composite_frame();
+std::span<const std::uint32_t> show_debug();
+
+}  // namespace zc::shader

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/zone_set.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/check.h"
+
+namespace zc {
+namespace {
+
+constexpr VkDeviceSize kStagingBytes = VkDeviceSize{1} << 20;
+
+void wait_for_transfer(VkCommandBuffer commands) {
+  VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+  barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+  barrier.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
+  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 1, &barrier, 0,
+                       nullptr, 0, nullptr);
+}
+
+void copy(VkCommandBuffer commands, const Buffer& from, VkDeviceSize from_bytes, const Buffer& to, VkDeviceSize to_bytes,
+          VkDeviceSize bytes) {
+  const VkBufferCopy region{from_bytes, to_bytes, bytes};
+  vkCmdCopyBuffer(commands, from.handle(), to.handle(), 1, &region);
+  wait_for_transfer(commands);
+}
+
+}  // namespace
+
+Status ZoneSet::create(std::uint64_t capacity_words, std::uint32_t max_zones) {
+  const VkDeviceSize bytes = std::max<VkDeviceSize>(capacity_words * 4, 64);
+  if (bytes > device_.limits().maxStorageBufferRange)
+    return Error{ErrorCode::kDevice, "a page pool of " + std::to_string(bytes) + " bytes is more than " + device_.name() +
+                                         " binds (" + std::to_string(device_.limits().maxStorageBufferRange) + ")"};
+  constexpr VkBufferUsageFlags usage =
+      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+  const VkDeviceSize zones = std::max<std::uint32_t>(max_zones, 1);
+  ZC_ASSIGN(pool_, Buffer::create(device_, bytes, usage, MemoryUse::kDevice));
+  ZC_ASSIGN(zones_, Buffer::create(device_, zones * sizeof(gpu::ZoneEntry), usage, MemoryUse::kDevice));
+  ZC_ASSIGN(top_, Buffer::create(device_, zones * sizeof(gpu::TopNode), usage, MemoryUse::kDevice));
+  if (use_staging_ || pool_.mapped().empty() || zones_.mapped().empty() || top_.mapped().empty()) {
+    use_staging_ = true;
+    ZC_ASSIGN(staging_, Buffer::create(device_, kStagingBytes, usage, MemoryUse::kUpload));
+  }
+  return set_zones({}, {});
+}
+
+Status ZoneSet::write(const Buffer& target, std::uint64_t offset_bytes, std::span<const std::byte> bytes) {
+  ZC_CHECK(offset_bytes + bytes.size() <= target.bytes());
+  if (!use_staging_) {
+    std::memcpy(target.mapped().data() + offset_bytes, bytes.data(), bytes.size());
+    return {};
+  }
+  for (std::size_t done = 0; done < bytes.size();) {
+    const std::size_t part = std::min<std::size_t>(bytes.size() - done, kStagingBytes);
+    std::memcpy(staging_.mapped().data(), bytes.data() + done, part);
+    ZC_TRY(device_.run([&](VkCommandBuffer c) { copy(c, staging_, 0, target, offset_bytes + done, part); }));
+    done += part;
+  }
+  return {};
+}
+
+Status ZoneSet::upload(std::uint64_t offset_words, std::span<const std::uint32_t> page) {
+  return write(pool_, offset_words * 4, std::as_bytes(page));
+}
+
+Status ZoneSet::move(std::uint64_t from_words, std::uint64_t to_words, std::uint64_t count_words) {
+  const VkDeviceSize from = from_words * 4;
+  const VkDeviceSize to = to_words * 4;
+  const VkDeviceSize bytes = count_words * 4;
+  ZC_CHECK(std::max(from, to) + bytes <= pool_.bytes());
+  if (!use_staging_) {
+    std::memmove(pool_.mapped().data() + to, pool_.mapped().data() + from, bytes);
+    return {};
+  }
+  // Copies within one buffer must not overlap: part by part through the staging buffer, from the side that is safe.
+  return device_.run([&](VkCommandBuffer c) {
+    for (VkDeviceSize done = 0; done < bytes;) {
+      const VkDeviceSize part = std::min(bytes - done, kStagingBytes);
+      const VkDeviceSize at = to < from ? done : bytes - done - part;
+      copy(c, pool_, from + at, staging_, 0, part);
+      copy(c, staging_, 0, pool_, to + at, part);
+      done += part;
+    }
+  });
+}
+
+Status ZoneSet::set_zones(std::span<const gpu::ZoneEntry> zones, std::span<const ZoneBounds> bounds) {
+  ZC_CHECK(zones.size() == bounds.size() && zones.size_bytes() <= zones_.bytes());
+  const TopLevel top = build_top_level(bounds);
+  zone_count_ = static_cast<std::uint32_t>(zones.size());
+  top_depth_ = top.depth;
+  ZC_TRY(write(zones_, 0, std::as_bytes(zones)));
+  return write(top_, 0, std::as_bytes(std::span(top.nodes)));
+}
+
+}  // namespace zc

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the GPU holds of one set of zones: the fixed-size page pool, the zone table and the top-level BVH.
+// Pages come and go through upload and move; set_zones then says which of them are traced. The GPU must be idle, which
+// it is between frames: every submission is waited for.
+// Borrows the device. Threads: as the device. Fails when the driver refuses memory.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "runtime/resources.h"
+#include "runtime/top_level.h"
+
+namespace zc {
+
+class ZoneSet {
+ public:
+  // use_staging: copy through a staging buffer even where the pool is mapped (tests the path of discrete GPUs).
+  explicit ZoneSet(Device& device, bool use_staging = false) : device_(device), use_staging_(use_staging) {}
+
+  // Takes the pool's memory, once, and room for max_zones zones.
+  Status create(std::uint64_t capacity_words, std::uint32_t max_zones);
+  Status upload(std::uint64_t offset_words, std::span<const std::uint32_t> page);
+  // As memmove: ranges may overlap.
+  Status move(std::uint64_t from_words, std::uint64_t to_words, std::uint64_t count_words);
+  // zones[i] has bounds[i]; the slots that shaders see are positions in `zones`.
+  Status set_zones(std::span<const gpu::ZoneEntry> zones, std::span<const ZoneBounds> bounds);
+
+  [[nodiscard]] const Buffer& pool() const { return pool_; }
+  [[nodiscard]] const Buffer& zones() const { return zones_; }
+  [[nodiscard]] const Buffer& top() const { return top_; }
+  [[nodiscard]] std::uint32_t zone_count() const { return zone_count_; }
+  [[nodiscard]] std::uint32_t top_depth() const { return top_depth_; }
+
+ private:
+  Status write(const Buffer& target, std::uint64_t offset_bytes, std::span<const std::byte> bytes);
+
+  Device& device_;
+  bool use_staging_;
+  Buffer pool_;
+  Buffer zones_;
+  Buffer top_;
+  Buffer staging_;
+  std::uint32_t zone_count_ = 0;
+  std::uint32_t top_depth_ = 1;
+};
+
+}  // namespace zc

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stands in for the host's lighting: diffuse light of every visible surface with one shadow ray against the host's zones.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "bindings.glsl"
+#include "surface.glsl"
+#include "shading.glsl"
+#include "trace.glsl"
+#include "host_set.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+void main() {
+  const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(pixel, ivec2(frame.size.xy)))) return;
+  const uint index = uint(pixel.y) * frame.size.x + uint(pixel.x);
+  const Surface s = load_surface(pixel);
+  if (s.sky) {
+    lit[index] = pack_color(sky_radiance(s.view), 1.0);
+    return;
+  }
+  float visibility = 0.0;
+  if (dot(s.normal, frame.sun_direction.xyz) > 0.0) {
+    const float start_m = 1e-3 + 1e-5 * s.distance_m;
+    const TraceRay ray =
+        TraceRay(s.position + s.normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w, s.normal);
+    visibility = host_trace(ray, true).zone == kNoZone ? 1.0 : 0.0;
+  }
+  const Shading shading = shade_surface(materials[s.material], s.normal, s.view, visibility);
+  lit[index] = pack_color(shading.diffuse, visibility);
+}

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shades what the traced rays met, with one shadow ray each against the same zones.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "bindings.glsl"
+#include "surface.glsl"
+#include "shading.glsl"
+#include "trace.glsl"
+layout(constant_id = 2) const uint kTraceHost = 0u;
+#include "host_set.glsl"
+#include "proxy_set.glsl"
+
+layout(local_size_x = 64) in;
+
+void main() {
+  const uint i = gl_GlobalInvocationID.x;
+  if (i >= counters.ray_count) return;
+  const RayTask task = rays[i];
+  const HitRecord hit = hits[i];
+  const vec3 direction = vec3(task.dir_x, task.dir_y, task.dir_z);
+  vec3 color = sky_radiance(direction);
+  uint source = kSourceSky;
+  if (hit.zone == kHitLost) {
+    source = kSourceLost;
+    atomicAdd(counters.rays_lost, 1u);
+  } else if (hit.zone == kNoZone) {
+    atomicAdd(counters.rays_sky, 1u);
+  } else {
+    ZoneEntry zone;
+    vec3 a;
+    vec3 b;
+    vec3 c;
+    uint material;
+    if (kTraceHost != 0u) {
+      zone = host_zones[hit.zone];
+      host_fetch_triangle(zone, host_zone_offset(zone), hit.triangle, a, b, c, material);
+    } else {
+      zone = proxy_zones[hit.zone];
+      proxy_fetch_triangle(zone, proxy_zone_offset(zone), hit.triangle, a, b, c, material);
+    }
+    vec3 normal = normalize(cross(b - a, c - a));
+    if (dot(normal, direction) > 0.0) normal = -normal;
+    float visibility = 0.0;
+    if (dot(normal, frame.sun_direction.xyz) > 0.0) {
+      const vec3 position = vec3(task.origin_x, task.origin_y, task.origin_z) + direction * hit.t;
+      const float start_m = 2e-3 + 2e-5 * hit.t;
+      const TraceRay ray =
+          TraceRay(position + normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w, normal);
+      const uint blocker = kTraceHost != 0u ? host_trace(ray, true).zone : proxy_trace(ray, true).zone;
+      visibility = blocker == kNoZone ? 1.0 : 0.0;
+    }
+    color = shade_mirrored(materials[material], normal, direction, visibility, hit.t);
+    if ((zone.flags & kZoneCoarse) != 0u) {
+      source = kSourceProxyCoarse;
+      atomicAdd(counters.rays_proxy_coarse, 1u);
+    } else {
+      source = kSourceProxy;
+      atomicAdd(counters.rays_proxy, 1u);
+    }
+    source |= zone.node << kSourceBits;
+  }
+  reflection[task.pixel] = pack_color(color, 0.0);
+  provenance[task.pixel] = source;
+}

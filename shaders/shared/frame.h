@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// Per-frame data: what a pass reads about the camera and the light, the ray queue between passes, and the one descriptor
+// set layout that all passes share.
+#ifndef ZC_SHADERS_SHARED_FRAME_H
+#define ZC_SHADERS_SHARED_FRAME_H
+
+#include "shared.h"
+
+ZC_SHARED_BEGIN
+
+#ifdef __cplusplus
+struct alignas(16) vec4 {
+  float x = 0, y = 0, z = 0, w = 0;
+};
+struct alignas(16) ivec4 {
+  std::int32_t x = 0, y = 0, z = 0, w = 0;
+};
+struct alignas(16) uvec4 {
+  std::uint32_t x = 0, y = 0, z = 0, w = 0;
+};
+struct mat4 {
+  vec4 column[4];
+};
+#endif
+
+// Descriptor set 0. At most 16 storage buffers a stage: the least that drivers in use here offer.
+ZC_CONST(uint, kBindFrame, 0u);
+ZC_CONST(uint, kBindProxyPool, 1u);
+ZC_CONST(uint, kBindProxyZones, 2u);
+ZC_CONST(uint, kBindProxyTop, 3u);
+ZC_CONST(uint, kBindHostPool, 4u);
+ZC_CONST(uint, kBindHostZones, 5u);
+ZC_CONST(uint, kBindHostTop, 6u);
+ZC_CONST(uint, kBindMaterials, 7u);
+ZC_CONST(uint, kBindHiz, 8u);         // float: nearest depth per cell, all levels
+ZC_CONST(uint, kBindLit, 9u);         // uvec2 a pixel: half rgb, sun visibility
+ZC_CONST(uint, kBindReflection, 10u);  // uvec2 a pixel: half rgb, unused
+ZC_CONST(uint, kBindProvenance, 11u);  // uint a pixel
+ZC_CONST(uint, kBindPixels, 12u);      // uint: reflective pixels
+ZC_CONST(uint, kBindRays, 13u);        // RayTask
+ZC_CONST(uint, kBindHits, 14u);        // HitRecord
+ZC_CONST(uint, kBindCounters, 15u);
+ZC_CONST(uint, kBindOutput, 16u);      // uint a pixel: RGBA8 sRGB
+ZC_CONST(uint, kBindDepth, 17u);       // sampled: reversed-Z depth
+ZC_CONST(uint, kBindSurface, 18u);     // sampled: octahedral normal, material
+ZC_CONST(uint, kBindIdentity, 19u);    // sampled: zone slot + 1, triangle
+
+ZC_CONST(uint, kHizLevels, 12u);
+
+struct FrameData {
+  mat4 view_projection;   // camera-relative metres -> clip, reversed Z, infinite far
+  vec4 eye;               // metres, relative to camera_lattice; w = near plane (m)
+  vec4 right;             // w = tan(fov_x / 2)
+  vec4 up;                // w = tan(fov_y / 2)
+  vec4 forward;           // w = longest ray (m)
+  vec4 sun_direction;     // towards the sun; w = roughness above which nothing reflects
+  vec4 sun_radiance;      // w = lattice step (m)
+  ivec4 camera_lattice;   // lattice position all positions are relative to
+  uvec4 size;             // width, height, hiz levels, SSR step limit
+  uvec4 hiz_offset[kHizLevels];  // x = first float, y = width, z = height
+};
+
+struct RayTask {
+  float origin_x;  // metres, relative to camera_lattice
+  float origin_y;
+  float origin_z;
+  float t_min;
+  float dir_x;  // unit
+  float dir_y;
+  float dir_z;
+  float t_max;
+  float plane_x;  // normal of the surface that the ray leaves; zero: no surface, every hit counts
+  float plane_y;
+  float plane_z;
+  uint pixel;
+};
+
+ZC_CONST(uint, kNoZone, 0xFFFFFFFFu);
+ZC_CONST(uint, kHitLost, 0xFFFFFFFEu);  // the traversal's bound was reached: never expected, always counted
+
+struct HitRecord {
+  float t;
+  uint zone;      // slot, or kNoZone / kHitLost
+  uint triangle;  // index in the zone's page
+  uint reserved;
+};
+
+struct Counters {
+  uint ssr_groups_x;  // indirect arguments of the SSR pass
+  uint ssr_groups_y;
+  uint ssr_groups_z;
+  uint trace_groups_x;  // and of trace and shade
+  uint trace_groups_y;
+  uint trace_groups_z;
+  uint pixel_count;
+  uint ray_count;
+  uint rays_screen;
+  uint rays_proxy;
+  uint rays_proxy_coarse;
+  uint rays_sky;
+  uint rays_lost;
+  uint reserved0;
+  uint reserved1;
+  uint reserved2;
+};
+
+// Where a pixel's reflected colour came from; the zone's node index lies above kSourceBits.
+ZC_CONST(uint, kSourceNone, 0u);
+ZC_CONST(uint, kSourceScreen, 1u);
+ZC_CONST(uint, kSourceProxy, 2u);
+ZC_CONST(uint, kSourceProxyCoarse, 3u);
+ZC_CONST(uint, kSourceSky, 4u);
+ZC_CONST(uint, kSourceLost, 5u);
+ZC_CONST(uint, kSourceBits, 3u);
+
+struct PassConstants {
+  uint a;
+  uint b;
+  uint c;
+  uint d;
+};
+
+ZC_CONST(uint, kDebugProvenance, 1u);
+ZC_CONST(uint, kDebugNormals, 2u);
+ZC_CONST(uint, kDebugDepth, 3u);
+
+ZC_SHARED_END
+
+#ifdef __cplusplus
+static_assert(sizeof(zc::gpu::RayTask) == 48);
+static_assert(sizeof(zc::gpu::HitRecord) == 16);
+static_assert(sizeof(zc::gpu::Counters) == 64);
+static_assert(sizeof(zc::gpu::FrameData) == 64 + 8 * 16 + 16 * zc::gpu::kHizLevels);
+#endif
+
+#endif

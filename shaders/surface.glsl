@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The G-buffer's surface: how it is packed, and how a pixel becomes a position, a normal and a material.
+
+// Octahedral unit vectors (Cigolle et al. 2014, section 2), 16 bits a component.
+uint pack_normal(vec3 n) {
+  n /= abs(n.x) + abs(n.y) + abs(n.z);
+  vec2 p = n.xy;
+  if (n.z < 0.0) p = (1.0 - abs(n.yx)) * vec2(n.x >= 0.0 ? 1.0 : -1.0, n.y >= 0.0 ? 1.0 : -1.0);
+  return packSnorm2x16(p);
+}
+
+vec3 unpack_normal(uint bits) {
+  vec2 p = unpackSnorm2x16(bits);
+  vec3 n = vec3(p, 1.0 - abs(p.x) - abs(p.y));
+  if (n.z < 0.0) n.xy = (1.0 - abs(n.yx)) * vec2(n.x >= 0.0 ? 1.0 : -1.0, n.y >= 0.0 ? 1.0 : -1.0);
+  return normalize(n);
+}
+
+// Direction through a point of the image, in pixels; not normalised: its component along `forward` is 1.
+vec3 view_direction(vec2 pixel) {
+  const vec2 ndc = pixel / vec2(frame.size.xy) * 2.0 - 1.0;
+  return frame.forward.xyz + frame.right.xyz * (ndc.x * frame.right.w) - frame.up.xyz * (ndc.y * frame.up.w);
+}
+
+struct Surface {
+  bool sky;
+  vec3 position;  // metres, relative to camera_lattice
+  vec3 normal;    // unit, towards the viewer
+  vec3 view;      // unit, from the eye to the surface
+  float distance_m;  // along the view axis
+  uint material;
+};
+
+Surface load_surface(ivec2 pixel) {
+  Surface s;
+  const vec3 direction = view_direction(vec2(pixel) + 0.5);
+  const float depth = texelFetch(depth_image, pixel, 0).x;
+  s.view = normalize(direction);
+  s.sky = depth <= 0.0;
+  s.distance_m = frame.eye.w / max(depth, 1e-12);
+  s.position = frame.eye.xyz + direction * s.distance_m;
+  const uvec2 packed_surface = texelFetch(surface_image, pixel, 0).xy;
+  s.normal = unpack_normal(packed_surface.x);
+  if (dot(s.normal, s.view) > 0.0) s.normal = -s.normal;
+  s.material = packed_surface.y;
+  return s;
+}
+
+// The width of a pixel at a distance along the view axis, in metres.
+float pixel_footprint_m(float distance_m) { return 2.0 * frame.up.w * distance_m / float(frame.size.y); }
+
+uvec2 pack_color(vec3 rgb, float w) {
+  rgb = min(rgb, vec3(60000.0));
+  return uvec2(packHalf2x16(rgb.rg), packHalf2x16(vec2(rgb.b, w)));
+}
+vec4 unpack_color(uvec2 bits) { return vec4(unpackHalf2x16(bits.x), unpackHalf2x16(bits.y)); }

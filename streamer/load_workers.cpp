@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "streamer/load_workers.h"
+
+#include <algorithm>
+
+#include "streamer/page_loader.h"
+
+namespace zc {
+
+LoadWorkers::LoadWorkers(Source& source, const WorldIndex& index, unsigned threads, std::uint64_t scratch_bytes)
+    : source_(source), index_(index), scratch_free_bytes_(scratch_bytes) {
+  for (unsigned i = 0; i < std::max(threads, 1U); ++i) threads_.emplace_back([this] { work(); });
+}
+
+LoadWorkers::~LoadWorkers() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  queued_.notify_all();
+  threads_.clear();
+}
+
+void LoadWorkers::submit(std::uint64_t ticket, std::uint32_t node) {
+  {
+    const std::lock_guard lock(mutex_);
+    queue_.push_back({ticket, node});
+  }
+  queued_.notify_one();
+}
+
+bool LoadWorkers::cancel(std::uint64_t ticket) {
+  const std::lock_guard lock(mutex_);
+  const auto job = std::find_if(queue_.begin(), queue_.end(), [&](const Job& j) { return j.ticket == ticket; });
+  if (job == queue_.end()) return false;
+  queue_.erase(job);
+  return true;
+}
+
+LoadWorkers::Page LoadWorkers::take(std::uint64_t ticket) {
+  std::unique_lock lock(mutex_);
+  finished_.wait(lock, [&] { return results_.contains(ticket); });
+  return std::move(results_.extract(ticket).mapped());
+}
+
+std::vector<std::uint64_t> LoadWorkers::done(bool wait) {
+  std::unique_lock lock(mutex_);
+  if (wait) finished_.wait(lock, [&] { return !results_.empty(); });
+  std::vector<std::uint64_t> tickets;
+  for (const auto& [ticket, page] : results_) tickets.push_back(ticket);
+  return tickets;
+}
+
+void LoadWorkers::work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    queued_.wait(lock, [&] { return stop_ || !queue_.empty(); });
+    if (stop_) return;
+    const Job job = queue_.front();
+    queue_.pop_front();
+    const std::uint64_t scratch = scratch_bytes(index_.nodes[job.node]);
+    scratch_freed_.wait(lock, [&] { return scratch <= scratch_free_bytes_; });
+    scratch_free_bytes_ -= scratch;
+    lock.unlock();
+    Page page = load_page(source_, index_, job.node);
+    lock.lock();
+    scratch_free_bytes_ += scratch;
+    scratch_freed_.notify_all();
+    results_.emplace(job.ticket, std::move(page));
+    finished_.notify_all();
+  }
+}
+
+}  // namespace zc

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Worker threads that load pages in the order of submission, together within a fixed scratch memory: a worker whose
+// page does not fit beside the others' waits for them. Owns its threads; they end, and are joined, when it goes.
+// Borrows the source and the index, which outlive it. Threads: its methods are called from one thread.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "base/result.h"
+#include "streamer/source.h"
+#include "streamer/world_format/world_index.h"
+
+namespace zc {
+
+class LoadWorkers {
+ public:
+  using Page = Result<std::vector<std::uint32_t>>;
+
+  // No job may need more than scratch_bytes.
+  LoadWorkers(Source& source, const WorldIndex& index, unsigned threads, std::uint64_t scratch_bytes);
+  ~LoadWorkers();
+  LoadWorkers(const LoadWorkers&) = delete;
+  LoadWorkers& operator=(const LoadWorkers&) = delete;
+
+  // Tickets are the caller's, unique and rising.
+  void submit(std::uint64_t ticket, std::uint32_t node);
+
+  // True when the job had not started and never will; otherwise its result is still to be taken.
+  bool cancel(std::uint64_t ticket);
+
+  // Blocks until this job is done and hands over its result.
+  Page take(std::uint64_t ticket);
+
+  // Jobs whose result waits to be taken, in rising order. `wait`: block until there is one.
+  std::vector<std::uint64_t> done(bool wait);
+
+ private:
+  struct Job {
+    std::uint64_t ticket;
+    std::uint32_t node;
+  };
+  void work();
+
+  Source& source_;
+  const WorldIndex& index_;
+  std::mutex mutex_;
+  std::condition_variable queued_;
+  std::condition_variable finished_;
+  std::condition_variable scratch_freed_;
+  std::uint64_t scratch_free_bytes_;
+  std::deque<Job> queue_;
+  std::map<std::uint64_t, Page> results_;
+  bool stop_ = false;
+  std::vector<std::jthread> threads_;  // last: they use everything above
+};
+
+}  // namespace zc

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pages a world along a camera path under a hard memory cap.
+//
+// Per node: absent → reading (bytes reserved; a worker reads, verifies, decodes, assembles) → resident (in the pool)
+// → absent again when room is needed. A load that is no longer selected is cancelled and gives its bytes back; one that
+// fails is counted and tried again after 0.1, 0.4, 1.6 and then every 10 seconds of the path, while an ancestor covers.
+//
+// Owns: index, ledger, worker threads · borrows: the source and the sink, which outlive it · threads: all methods on
+// one thread; the source is called from workers, the sink only inside open() and advance() · untrusted input: index and
+// pages are checked before use, and no broken file but the index and the root's is fatal.
+//
+// Virtual clock: a request takes the link when it is free, for bytes / bandwidth, plus the latency, and becomes
+// resident in the first advance() at or after that time, whatever the workers did: the event log is the same at any
+// thread count. Wall clock: a request becomes resident in the first advance() after a worker has finished it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "base/result.h"
+#include "streamer/page_sink.h"
+#include "streamer/selection.h"
+#include "streamer/source.h"
+#include "streamer/statistics.h"
+#include "streamer/world_format/world_index.h"
+
+namespace zc {
+
+enum class ClockKind { kVirtual, kWall };
+
+struct StreamerOptions {
+  std::uint64_t cap_bytes = 0;
+  std::uint64_t pool_limit_bytes = 128ULL << 20U;  // the largest storage buffer the renderer can bind
+  unsigned threads = 2;                            // workers, at least 1
+  ClockKind clock = ClockKind::kVirtual;
+  double source_latency_s = 0;                        // virtual clock only
+  double source_bandwidth_bytes_per_s = 0;            // virtual clock only; 0 is unlimited
+  double tolerance = 0.002;                           // a node is refined when error_m / distance_m exceeds it
+  bool include_detail = false;                        // also page full-detail nodes (the host's G-buffer, references)
+  bool settle = false;                                // advance() waits for every selected load (offline capture)
+  unsigned max_in_flight = 16;                        // requests outstanding, independent of threads
+  std::uint64_t trace_limit_bytes = 1 << 20;          // record for reloads_optimal(); 0 records nothing
+  std::function<void(const Error&)> on_failure = {};  // once per node, on the calling thread
+};
+
+// The smallest cap under which a world opens: index, node state, the root's page and what loading it takes.
+[[nodiscard]] std::uint64_t smallest_cap_bytes(const WorldIndex& index, bool include_detail = false);
+
+class Streamer {
+ public:
+  // Reads the index, creates the pool and loads the root. Fails with kBudget, naming the smallest cap that works, when
+  // that does not fit under the cap.
+  static Result<std::unique_ptr<Streamer>> open(Source& source, const StreamerOptions& options, PageSink& sink);
+  ~Streamer();
+  Streamer(const Streamer&) = delete;
+  Streamer& operator=(const Streamer&) = delete;
+
+  // One frame: `views` are the current view and look-ahead views in the order they will come; time_s never decreases.
+  // Fails only when the sink fails.
+  Status advance(std::span<const View> views, double time_s);
+
+  [[nodiscard]] const WorldIndex& index() const;
+  [[nodiscard]] std::uint64_t pool_words() const;
+
+  // Resident nodes that together cover the whole world exactly once, sorted by id; valid until the next advance().
+  [[nodiscard]] std::span<const std::uint32_t> cover() const;
+  // Changes whenever the cover or the offset of a page in it changes.
+  [[nodiscard]] std::uint64_t cover_generation() const;
+  [[nodiscard]] bool resident(std::uint32_t node) const;
+  // Of a resident node.
+  [[nodiscard]] std::uint64_t page_offset_words(std::uint32_t node) const;
+
+  [[nodiscard]] StreamerStatistics statistics() const;
+  // Reloads of Belady's eviction (furthest next use) in the same pool, for the nodes that were selected and resident in
+  // each frame so far; nothing when the trace outgrew its buffer or was not recorded.
+  [[nodiscard]] std::optional<std::uint64_t> reloads_optimal() const;
+
+ private:
+  class Impl;
+  explicit Streamer(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace zc

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "streamer/world_format/world_index.h"
+
+#include <xxhash.h>
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "base/check.h"
+#include "shaders/shared/page.h"
+
+namespace zc {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the files are little-endian and read by memcpy");
+
+constexpr std::uint32_t kMaxMaterials = 1U << 16U;  // a page's triangle has 16 bits for one
+constexpr std::uint32_t kMaxDepth = 30;
+constexpr std::uint32_t kMaxStepShift = 15;
+constexpr std::uint64_t kMaxFileBytes = 0xFFFFFFFFULL;  // a GLB's own length field has 32 bits
+
+// One node's place and cause, for an Error.
+class Fault {
+ public:
+  Fault(const std::string& path, std::size_t node) : path_(path), node_(node) {}
+  [[nodiscard]] Error operator()(const std::string& cause) const {
+    return {ErrorCode::kFormat, "node " + std::to_string(node_) + ": " + cause, path_,
+            static_cast<std::int64_t>(sizeof(WorldHeader) + node_ * sizeof(NodeRecord))};
+  }
+
+ private:
+  const std::string& path_;
+  std::size_t node_;
+};
+
+bool ordered(const std::array<std::int32_t, 3>& low, const std::array<std::int32_t, 3>& high) {
+  return low[0] <= high[0] && low[1] <= high[1] && low[2] <= high[2];
+}
+
+bool sane(float value) { return std::isfinite(value) && value >= 0.0F; }
+
+Status check_tree(const std::vector<NodeRecord>& nodes, const std::string& path) {
+  // Every node but the root lies in its parent's range, and the ranges hold one place for each: so each node has
+  // exactly one parent, and that parent comes before it.
+  std::uint64_t places = 0;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const NodeRecord& node = nodes[i];
+    const Fault fault(path, i);
+    if (node.child_count > 0) {
+      if (node.first_child <= i || node.first_child >= nodes.size() ||
+          node.child_count > nodes.size() - node.first_child)
+        return fault("children out of range");
+      places += node.child_count;
+    }
+    if (i == 0) {
+      if (node.parent != -1) return fault("the root has a parent");
+      if (node.is_detail()) return fault("the root is a detail node");
+      continue;
+    }
+    if (node.parent < 0 || static_cast<std::size_t>(node.parent) >= i) return fault("parent out of range");
+    const NodeRecord& parent = nodes[static_cast<std::size_t>(node.parent)];
+    if (i < parent.first_child || i - parent.first_child >= parent.child_count)
+      return fault("not among its parent's children");
+    if (node.depth < parent.depth) return fault("lies above its parent");
+    if (node.is_detail() && (parent.is_detail() || parent.child_count != 1 || node.child_count != 0))
+      return fault("a detail node must be the only child of a zone and have no children");
+  }
+  if (places != nodes.size() - 1) return Fault(path, 0)("a node belongs to two parents");
+  return {};
+}
+
+Status check_counts(const NodeRecord& node, const Fault& fault) {
+  if (node.triangle_count == 0 || node.triangle_count > gpu::kRefFirstMask) return fault("triangle count out of range");
+  if (node.vertex_count == 0 || node.vertex_count > 3ULL * node.triangle_count)
+    return fault("vertex count out of range");
+  if (node.primitive_count == 0 || node.primitive_count > node.triangle_count)
+    return fault("primitive count out of range");
+  if (node.bvh_node_count == 0 || node.bvh_node_count > node.triangle_count)
+    return fault("BVH node count out of range");
+  if (node.bvh_depth == 0 || node.bvh_depth > gpu::kPageMaxDepth) return fault("BVH depth out of range");
+  const std::uint64_t page_words = std::uint64_t{gpu::kPageHeaderWords} +
+                                   std::uint64_t{gpu::kBvhNodeWords} * node.bvh_node_count +
+                                   std::uint64_t{gpu::kPageTriangleWords} * node.triangle_count;
+  if (node.page_bytes != 4 * page_words) return fault("page size does not follow from its counts");
+  if (node.bvh_bytes != 16 + 32ULL * node.bvh_node_count + 4ULL * node.triangle_count)
+    return fault("BVH file size does not follow from its counts");
+  if (node.glb_bytes < 20 || node.glb_bytes > kMaxFileBytes) return fault("GLB size out of range");
+  return {};
+}
+
+Status check_place(const NodeRecord& node, const Fault& fault) {
+  if (node.depth > kMaxDepth) return fault("depth out of range");
+  if ((node.cell_x >> node.depth) != 0 || (node.cell_y >> node.depth) != 0) return fault("cell out of range");
+  if (node.step_shift > kMaxStepShift) return fault("step shift out of range");
+  if (!ordered(node.bounds_min, node.bounds_max)) return fault("empty bounds");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t origin = node.origin[axis];
+    if ((origin & ((1LL << node.step_shift) - 1)) != 0) return fault("origin is off its lattice");
+    if (node.bounds_min[axis] < origin || node.bounds_max[axis] > origin + (0xFFFFLL << node.step_shift))
+      return fault("bounds do not fit 16-bit offsets");
+  }
+  if (!sane(node.error_max_m) || !sane(node.error_mean_m) || !sane(node.normal_deviation_deg) ||
+      !sane(node.color_error))
+    return fault("an error bound is not a number");
+  return {};
+}
+
+Status check_header(const WorldHeader& header, std::uint64_t file_bytes, const std::string& path) {
+  const auto fault = [&](const char* cause, std::size_t at) {
+    return Error{ErrorCode::kFormat, cause, path, static_cast<std::int64_t>(at)};
+  };
+  if (header.magic != kWorldMagic) return fault("not a zonecast world index", 0);
+  if (header.version != kWorldVersion)
+    return Error{
+        ErrorCode::kUnsupported,
+        "index version " + std::to_string(header.version) + ", this program reads " + std::to_string(kWorldVersion),
+        path, offsetof(WorldHeader, version)};
+  if (header.header_xxh3 != XXH3_64bits(&header, offsetof(WorldHeader, header_xxh3)))
+    return fault("header hash mismatch", offsetof(WorldHeader, header_xxh3));
+  if (header.node_count == 0) return fault("no nodes", offsetof(WorldHeader, node_count));
+  if (header.material_count == 0 || header.material_count > kMaxMaterials)
+    return fault("material count out of range", offsetof(WorldHeader, material_count));
+  // 32-bit counts times small sizes: no overflow in 64 bits.
+  const std::uint64_t expected = sizeof(WorldHeader) + std::uint64_t{header.node_count} * sizeof(NodeRecord) +
+                                 std::uint64_t{header.material_count} * sizeof(MaterialRecord) + header.crs_bytes;
+  if (expected != file_bytes)
+    return Error{ErrorCode::kFormat,
+                 "is " + std::to_string(file_bytes) + " bytes, its counts ask for " + std::to_string(expected), path};
+  if (header.step_log2 < -30 || header.step_log2 > 10)
+    return fault("lattice step out of range", offsetof(WorldHeader, step_log2));
+  if (!ordered(header.bounds_min, header.bounds_max)) return fault("empty bounds", offsetof(WorldHeader, bounds_min));
+  return {};
+}
+
+Status check_materials(const std::vector<MaterialRecord>& materials, const std::string& path) {
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    const MaterialRecord& m = materials[i];
+    if (!sane(m.base_color[0]) || !sane(m.base_color[1]) || !sane(m.base_color[2]) || !sane(m.roughness) ||
+        !sane(m.metallic))
+      return Error{ErrorCode::kFormat, "material " + std::to_string(i) + ": a value is not a number", path};
+  }
+  return {};
+}
+
+template <class T>
+void append(std::vector<std::byte>& out, const T* values, std::size_t count) {
+  if (count == 0) return;
+  const std::size_t at = out.size();
+  out.resize(at + count * sizeof(T));
+  std::memcpy(out.data() + at, values, count * sizeof(T));
+}
+
+}  // namespace
+
+double WorldIndex::step_m() const { return std::ldexp(1.0, header.step_log2); }
+
+std::uint64_t WorldIndex::resident_bytes() const {
+  return sizeof(WorldIndex) + nodes.size() * sizeof(NodeRecord) + materials.size() * sizeof(MaterialRecord) +
+         crs.size();
+}
+
+std::string node_file(const NodeRecord& node, const char* extension) {
+  std::string name = "zones/" + std::to_string(node.depth) + "/" + std::to_string(node.cell_x) + "_" +
+                     std::to_string(node.cell_y) + (node.is_detail() ? ".detail" : "");
+  if (extension[0] != '.') name += '.';
+  return name + extension;
+}
+
+std::vector<std::byte> encode_world_index(const WorldIndex& index) {
+  ZC_CHECK(index.nodes.size() <= std::numeric_limits<std::uint32_t>::max());
+  ZC_CHECK(index.materials.size() <= kMaxMaterials);
+  WorldHeader header = index.header;
+  header.node_count = static_cast<std::uint32_t>(index.nodes.size());
+  header.material_count = static_cast<std::uint32_t>(index.materials.size());
+  header.crs_bytes = static_cast<std::uint32_t>(index.crs.size());
+
+  std::vector<std::byte> out;
+  out.reserve(sizeof(WorldHeader) + index.nodes.size() * sizeof(NodeRecord) +
+              index.materials.size() * sizeof(MaterialRecord) + index.crs.size());
+  out.resize(sizeof(WorldHeader));
+  append(out, index.nodes.data(), index.nodes.size());
+  append(out, index.materials.data(), index.materials.size());
+  append(out, index.crs.data(), index.crs.size());
+  header.body_xxh3 = XXH3_64bits(out.data() + sizeof(WorldHeader), out.size() - sizeof(WorldHeader));
+  header.header_xxh3 = XXH3_64bits(&header, offsetof(WorldHeader, header_xxh3));
+  std::memcpy(out.data(), &header, sizeof header);
+  return out;
+}
+
+Result<WorldIndex> decode_world_index(std::span<const std::byte> bytes, const std::string& path) {
+  WorldIndex index;
+  if (bytes.size() < sizeof(WorldHeader))
+    return Error{ErrorCode::kFormat, "too short for an index", path, static_cast<std::int64_t>(bytes.size())};
+  std::memcpy(&index.header, bytes.data(), sizeof(WorldHeader));
+  ZC_TRY(check_header(index.header, bytes.size(), path));
+  const std::span<const std::byte> body = bytes.subspan(sizeof(WorldHeader));
+  if (index.header.body_xxh3 != XXH3_64bits(body.data(), body.size()))
+    return Error{ErrorCode::kFormat, "body hash mismatch", path, offsetof(WorldHeader, body_xxh3)};
+
+  const std::byte* at = body.data();
+  index.nodes.resize(index.header.node_count);
+  std::memcpy(index.nodes.data(), at, index.nodes.size() * sizeof(NodeRecord));
+  at += index.nodes.size() * sizeof(NodeRecord);
+  index.materials.resize(index.header.material_count);
+  std::memcpy(index.materials.data(), at, index.materials.size() * sizeof(MaterialRecord));
+  at += index.materials.size() * sizeof(MaterialRecord);
+  index.crs.assign(reinterpret_cast<const char*>(at), index.header.crs_bytes);
+
+  for (std::size_t i = 0; i < index.nodes.size(); ++i) {
+    const Fault fault(path, i);
+    if ((index.nodes[i].flags & ~kNodeDetail) != 0) return fault("unknown flags");
+    ZC_TRY(check_place(index.nodes[i], fault));
+    ZC_TRY(check_counts(index.nodes[i], fault));
+  }
+  ZC_TRY(check_tree(index.nodes, path));
+  ZC_TRY(check_materials(index.materials, path));
+  return index;
+}
+
+}  // namespace zc

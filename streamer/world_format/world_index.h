@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// The binary index `world.zcw`: one fixed-size record per zone node, so that opening a million nodes is a read and a
+// hash, not a parse. All integers little-endian.
+//
+//   WorldHeader | NodeRecord × node_count | MaterialRecord × material_count | CRS text (UTF-8, crs_bytes)
+//
+// Untrusted input: read_world_index checks every count, reference and range before anything is used.
+// Units: lattice units are steps of 2^step_log2 metres. World lattice positions are relative to `anchor`
+// (CRS position in metres = (anchor + position) * step). Thread-safe: plain values.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+
+namespace zc {
+
+inline constexpr std::array<char, 8> kWorldMagic = {'Z', 'C', 'W', 'O', 'R', 'L', 'D', '\n'};
+inline constexpr std::uint32_t kWorldVersion = 1;
+inline constexpr std::int32_t kDefaultStepLog2 = -8;
+inline constexpr const char* kWorldIndexName = "world.zcw";
+
+struct WorldHeader {
+  std::array<char, 8> magic = kWorldMagic;
+  std::uint32_t version = kWorldVersion;
+  std::uint32_t node_count = 0;
+  std::uint32_t material_count = 0;
+  std::uint32_t crs_bytes = 0;
+  std::int32_t step_log2 = kDefaultStepLog2;
+  std::uint32_t reserved = 0;
+  std::array<std::int64_t, 3> anchor = {};  // lattice units, whole metres
+  std::array<std::int32_t, 3> bounds_min = {};
+  std::array<std::int32_t, 3> bounds_max = {};
+  std::uint64_t source_triangles = 0;
+  std::uint64_t body_xxh3 = 0;    // of everything after the header
+  std::uint64_t header_xxh3 = 0;  // of the header up to this field
+};
+static_assert(sizeof(WorldHeader) == 8 + 6 * 4 + 24 + 24 + 8 + 16);
+
+// A detail node holds the full-detail geometry under a leaf zone. The reflection streamer never asks for it; the host
+// (the G-buffer, the reference) does. It is the only child of its leaf zone.
+inline constexpr std::uint32_t kNodeDetail = 1U;
+
+// Nodes are ordered so that parents come before children and siblings are contiguous; node 0 is the root.
+struct NodeRecord {
+  std::int32_t parent = -1;
+  std::uint32_t first_child = 0;
+  std::uint32_t child_count = 0;
+  std::uint32_t flags = 0;
+  std::uint32_t depth = 0;  // quadtree depth of the cell; a detail node has its leaf's depth
+  std::uint32_t cell_x = 0;
+  std::uint32_t cell_y = 0;
+  std::uint32_t step_shift = 0;                // the node's step is 2^step_shift lattice units
+  std::array<std::int32_t, 3> origin = {};     // lattice; multiple of 2^step_shift
+  std::array<std::int32_t, 3> bounds_min = {};  // lattice, of the decoded geometry; children lie inside after growing by error
+  std::array<std::int32_t, 3> bounds_max = {};
+  float error_max_m = 0;    // two-sided surface distance to the full-detail source, sampled
+  float error_mean_m = 0;
+  float normal_deviation_deg = 0;
+  float color_error = 0;    // mean absolute linear RGB difference, 0..1
+  std::uint32_t triangle_count = 0;
+  std::uint32_t vertex_count = 0;  // in the .glb, summed over primitives
+  std::uint32_t bvh_node_count = 0;
+  std::uint32_t bvh_depth = 0;
+  std::uint32_t page_bytes = 0;     // decoded GPU page
+  std::uint32_t scratch_bytes = 0;  // upper bound of memory while decoding, without the page and the compressed bytes
+  std::uint32_t primitive_count = 0;
+  std::array<std::uint32_t, 2> reserved = {};
+  std::uint64_t glb_bytes = 0;
+  std::uint64_t bvh_bytes = 0;
+  std::uint64_t glb_xxh3 = 0;
+  std::uint64_t bvh_xxh3 = 0;
+
+  [[nodiscard]] bool is_detail() const { return (flags & kNodeDetail) != 0; }
+};
+static_assert(sizeof(NodeRecord) == 152);
+
+struct MaterialRecord {
+  std::array<float, 3> base_color = {0.8F, 0.8F, 0.8F};  // linear
+  float roughness = 0.9F;
+  float metallic = 0;
+  std::uint32_t flags = 0;
+  std::array<std::uint32_t, 2> reserved = {};
+};
+static_assert(sizeof(MaterialRecord) == 32);
+
+struct WorldIndex {
+  WorldHeader header;
+  std::vector<NodeRecord> nodes;
+  std::vector<MaterialRecord> materials;
+  std::string crs;
+
+  [[nodiscard]] double step_m() const;
+  // Bytes that the index itself keeps in memory.
+  [[nodiscard]] std::uint64_t resident_bytes() const;
+};
+
+// "zones/3/5_2.glb", "zones/3/5_2.detail.zbvh": path of a node's file below the world's directory.
+std::string node_file(const NodeRecord& node, const char* extension);
+
+std::vector<std::byte> encode_world_index(const WorldIndex& index);  // fills the hashes
+Result<WorldIndex> decode_world_index(std::span<const std::byte> bytes, const std::string& path);
+
+}  // namespace zc

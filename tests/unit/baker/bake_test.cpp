@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/bake.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "base/file.h"
+#include "streamer/world_format/bvh_page.h"
+#include "tests/unit/baker/test_city.h"
+
+namespace zc {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Bake : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("zonecast-bake-test-" + std::to_string(::getpid()) + "-" +
+                                           ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  Result<BakeReport> bake(Scene scene, const char* name, unsigned threads = 2, std::uint32_t leaf_triangles = 600) {
+    BakeOptions options;
+    options.threads = threads;
+    options.leaf_triangles = leaf_triangles;
+    return bake_world(std::move(scene), 0, options, folder_ / name);
+  }
+
+  fs::path folder_;
+};
+
+std::map<std::string, std::vector<std::byte>> read_world(const fs::path& world) {
+  std::map<std::string, std::vector<std::byte>> out;
+  for (const auto& entry : fs::recursive_directory_iterator(world)) {
+    if (!entry.is_regular_file() || entry.path().filename() == kBakeReportName) continue;
+    auto bytes = read_file(entry.path(), 1U << 30U);
+    EXPECT_TRUE(bytes.ok());
+    out[fs::relative(entry.path(), world).string()] = *std::move(bytes);
+  }
+  return out;
+}
+
+void expect_sound(const fs::path& world) {
+  auto bytes = read_file(world / kWorldIndexName, 1U << 30U);
+  ASSERT_TRUE(bytes.ok());
+  auto index = decode_world_index(*bytes, "world.zcw");
+  ASSERT_TRUE(index.ok()) << index.error().describe();
+  std::size_t details = 0;
+  for (const NodeRecord& node : index->nodes) {
+    const std::string name = node_file(node, "glb");
+    auto glb = read_file(world / name, 1U << 30U);
+    auto zbvh = read_file(world / node_file(node, "zbvh"), 1U << 30U);
+    ASSERT_TRUE(glb.ok() && zbvh.ok()) << name;
+    auto mesh = decode_zone_glb(*glb, node, name);
+    ASSERT_TRUE(mesh.ok()) << mesh.error().describe();
+    auto bvh = decode_bvh_file(*zbvh, name);
+    ASSERT_TRUE(bvh.ok());
+    auto page = assemble_page(*mesh, *bvh, node, index->header.material_count, name);
+    ASSERT_TRUE(page.ok()) << page.error().describe();
+    EXPECT_EQ(page->size() * 4, node.page_bytes);
+    if (node.is_detail()) {
+      ++details;
+      EXPECT_EQ(node.error_max_m, 0.0F);
+    } else if (node.parent >= 0) {
+      EXPECT_GE(index->nodes[static_cast<std::size_t>(node.parent)].error_max_m, node.error_max_m);
+    }
+  }
+  EXPECT_GE(details, 1U);
+}
+
+TEST_F(Bake, TheSameSceneGivesTheSameBytesAtAnyThreadCount) {
+  ASSERT_TRUE(bake(test::small_city(), "one", 1).ok());
+  const auto one = read_world(folder_ / "one");
+  EXPECT_GT(one.size(), 20U);
+  for (const unsigned threads : {2U, 4U}) {
+    const std::string name = std::to_string(threads);
+    ASSERT_TRUE(bake(test::small_city(), name.c_str(), threads).ok());
+    EXPECT_TRUE(read_world(folder_ / name) == one) << threads << " threads";
+  }
+}
+
+TEST_F(Bake, EveryPageAssemblesAndErrorsNeverRiseOnRefinement) {
+  auto report = bake(test::small_city(), "world");
+  ASSERT_TRUE(report.ok()) << report.error().describe();
+  expect_sound(folder_ / "world");
+  EXPECT_LE(report->index.nodes[0].triangle_count, 600U);
+  EXPECT_EQ(report->index.header.source_triangles, 40U * 40 * 2 + 144U * 10);
+}
+
+TEST_F(Bake, LeavesKeepTheErrorBound) {
+  auto report = bake(test::small_city(), "world");
+  ASSERT_TRUE(report.ok());
+  const auto& nodes = report->index.nodes;
+  for (const auto& node : nodes) {
+    const bool is_leaf_zone = node.child_count == 1 && nodes[node.first_child].is_detail();
+    if (is_leaf_zone) {
+      EXPECT_LE(node.error_max_m, 0.05F);
+    }
+  }
+}
+
+TEST_F(Bake, TheTilesetCoversEveryNodeAndVolumesNest) {
+  auto report = bake(test::small_city({5e5, 5e6, 100}), "world");
+  ASSERT_TRUE(report.ok());
+  std::ifstream file(folder_ / "world" / "tileset.json");
+  const auto json = nlohmann::json::parse(file);
+  EXPECT_EQ(json["asset"]["version"], "1.1");
+  EXPECT_EQ(json["root"]["refine"], "REPLACE");
+  EXPECT_DOUBLE_EQ(json["root"]["transform"][12], 5e5);
+  EXPECT_DOUBLE_EQ(json["root"]["transform"][13], 5e6);
+  std::size_t tiles = 0;
+  const auto visit = [&](const auto& self, const nlohmann::json& tile, double parent_error) -> void {
+    ++tiles;
+    EXPECT_TRUE(fs::exists(folder_ / "world" / tile["content"]["uri"].get<std::string>()));
+    const double error = tile["geometricError"];
+    EXPECT_LE(error, parent_error);
+    if (!tile.contains("children")) return;
+    for (const auto& child : tile["children"]) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto side = [&](const nlohmann::json& t, int sign) {
+          const auto& box = t["boundingVolume"]["box"];
+          return box[axis].template get<double>() + sign * box[3 + 4 * axis].template get<double>();
+        };
+        EXPECT_GE(side(child, -1), side(tile, -1) - 1e-9);
+        EXPECT_LE(side(child, +1), side(tile, +1) + 1e-9);
+      }
+      self(self, child, error);
+    }
+  };
+  visit(visit, json["root"], json["geometricError"]);
+  EXPECT_EQ(tiles, report->index.nodes.size());
+}
+
+TEST_F(Bake, DegenerateScenesBakeOrSayWhy) {
+  EXPECT_FALSE(bake(Scene{}, "empty").ok());
+  EXPECT_FALSE(fs::exists(folder_ / "empty"));
+
+  test::SceneMaker single;
+  single.triangle({1e7, 1e7, 0}, {1e7 + 3, 1e7, 0}, {1e7, 1e7 + 2, 1}, 0);
+  single.object(ObjectKind::kObject);
+  ASSERT_TRUE(bake(std::move(single.scene), "single").ok());
+  expect_sound(folder_ / "single");
+
+  test::SceneMaker heap;
+  for (int i = 0; i < 3000; ++i) heap.triangle({0, 0, 0}, {1 + i * 0.004, 0, 1}, {0, 1, i * 0.004}, 0);
+  heap.object(ObjectKind::kObject);
+  ASSERT_TRUE(bake(std::move(heap.scene), "heap", 2, 100).ok());
+  expect_sound(folder_ / "heap");
+
+  test::SceneMaker sliver;
+  sliver.triangle({0, 0, 0}, {4e6, 0, 0}, {2e6, 0.004, 0}, 0);
+  sliver.object(ObjectKind::kObject);
+  EXPECT_FALSE(bake(std::move(sliver.scene), "sliver").ok());
+}
+
+TEST_F(Bake, OneBuildingOfManyTrianglesBakes) {
+  test::SceneMaker maker;
+  const int n = 120;  // 2 n² triangles on a bumpy dome
+  const auto at = [&](int x, int y) {
+    return glm::dvec3(x * 0.5, y * 0.5, 20 * std::sin(x * M_PI / n) * std::sin(y * M_PI / n) + 0.3 * std::sin(x * 1.7) * std::sin(y * 2.3));
+  };
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) maker.quad(at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1), 0);
+  maker.object(ObjectKind::kObject);
+  auto report = bake(std::move(maker.scene), "dome", 2, 2000);
+  ASSERT_TRUE(report.ok());
+  expect_sound(folder_ / "dome");
+  EXPECT_LE(report->index.nodes[0].triangle_count, 2000U);
+  EXPECT_GT(report->index.nodes.size(), 5U);
+}
+
+TEST_F(Bake, AnOldWorldIsReplacedWholeAndOtherFoldersAreLeftAlone) {
+  ASSERT_TRUE(bake(test::small_city(), "world").ok());
+  test::SceneMaker single;
+  single.triangle({0, 0, 0}, {3, 0, 0}, {0, 2, 1}, 0);
+  single.object(ObjectKind::kObject);
+  ASSERT_TRUE(bake(single.scene, "world").ok());
+  EXPECT_EQ(read_world(folder_ / "world").size(), 2U + 4U);
+  // A failing bake leaves the world.
+  EXPECT_FALSE(bake(Scene{}, "world").ok());
+  EXPECT_EQ(read_world(folder_ / "world").size(), 2U + 4U);
+
+  fs::create_directories(folder_ / "photos");
+  std::ofstream(folder_ / "photos" / "a.jpg") << "x";
+  auto refused = bake(single.scene, "photos");
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kArgument);
+  EXPECT_TRUE(fs::exists(folder_ / "photos" / "a.jpg"));
+  // Nothing temporary stays behind.
+  std::size_t entries = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder_)) ++entries;
+  EXPECT_EQ(entries, 2U);
+}
+
+}  // namespace
+}  // namespace zc

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/cut.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "tests/unit/baker/test_city.h"
+
+namespace zc {
+namespace {
+
+using test::SceneMaker;
+
+SnappedScene snapped(Scene scene) {
+  auto result = snap_scene(std::move(scene), -8);
+  EXPECT_TRUE(result.ok());
+  return *std::move(result);
+}
+
+double plan_area(const LatticeMesh& mesh) {  // of upward faces, seen from above
+  double area = 0;
+  for (const auto& face : mesh.faces) {
+    const auto& a = mesh.vertices[face.v[0]];
+    const auto& b = mesh.vertices[face.v[1]];
+    const auto& c = mesh.vertices[face.v[2]];
+    area += 0.5 * ((double(b[0]) - a[0]) * (double(c[1]) - a[1]) - (double(c[0]) - a[0]) * (double(b[1]) - a[1]));
+  }
+  return area;
+}
+
+TEST(Cut, TheGroundIsCoveredExactlyOnce) {
+  SceneMaker maker;
+  maker.terrain({0, 0, 0}, 64, 7.3);
+  SnappedScene scene = snapped(std::move(maker.scene));
+  const double before = plan_area(scene.mesh);
+  const ZoneTree tree = cut_zones(scene, 300);
+  double after = 0;
+  std::size_t leaves = 0;
+  for (const auto& zone : tree.zones) {
+    after += plan_area(zone.detail);
+    leaves += zone.children.empty() ? 1 : 0;
+  }
+  EXPECT_GT(leaves, 16U);
+  // Only the outer rim may move, by less than a step of the coarsest border.
+  EXPECT_NEAR(after / before, 1.0, 1e-5);
+}
+
+TEST(Cut, BothSidesOfEveryBorderHaveTheSameVertices) {
+  SceneMaker maker;
+  maker.terrain({0, 0, 0}, 64, 7.3);
+  maker.terrain({100.3, 100.7, 40}, 90, 1.1);  // denser: neighbours of different depth
+  SnappedScene scene = snapped(std::move(maker.scene));
+  const ZoneTree tree = cut_zones(scene, 300);
+  // Edges on border planes, from all zones: each must be met by its reverse, or lie on the rim of the scene.
+  std::map<std::pair<LatticePoint, LatticePoint>, int> edges;
+  std::set<std::uint32_t> depths;
+  for (const auto& zone : tree.zones) {
+    if (zone.children.empty()) depths.insert(zone.depth);
+    for (const auto& face : zone.detail.faces) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        const LatticePoint a = zone.detail.vertices[face.v[i]];
+        const LatticePoint b = zone.detail.vertices[face.v[(i + 1) % 3]];
+        for (std::size_t axis = 0; axis < 2; ++axis) {
+          if (a[axis] != b[axis]) continue;
+          if (tree.grid.on_cell_border(zone, a) && tree.grid.on_cell_border(zone, b)) {
+            ++edges[{a, b}];
+            --edges[{b, a}];
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(depths.size(), 1U);
+  EXPECT_GT(edges.size(), 200U);
+  std::size_t unmet = 0;
+  for (const auto& [edge, count] : edges) unmet += count != 0 ? 1 : 0;
+  EXPECT_EQ(unmet, 0U);
+}
+
+TEST(Cut, BorderVerticesSurviveTheStepOfEveryNodeThatMeetsThere) {
+  SceneMaker maker;
+  maker.terrain({0, 0, 0}, 80, 41.7);
+  SnappedScene scene = snapped(std::move(maker.scene));
+  const ZoneTree tree = cut_zones(scene, 300);
+  std::size_t checked = 0;
+  for (const auto& leaf : tree.zones) {
+    for (const auto& p : leaf.detail.vertices) {
+      for (const Zone* zone = &leaf;; zone = &tree.zones[static_cast<std::size_t>(zone->parent)]) {
+        if (tree.grid.on_cell_border(*zone, p)) {
+          const std::uint32_t shift = tree.grid.step_shift_bound(zone->depth);
+          for (const std::int32_t c : p) ASSERT_EQ(round_to_step(c, shift), c);
+          ++checked;
+        }
+        if (zone->parent < 0) break;
+      }
+    }
+  }
+  EXPECT_GT(checked, 100U);
+}
+
+TEST(Cut, ObjectsStayWholeInTheZoneOfTheirCentre) {
+  SnappedScene scene = snapped(test::small_city());
+  const std::size_t boxes = scene.objects.size() - 1;
+  const ZoneTree tree = cut_zones(scene, 500);
+  std::size_t object_faces = 0;
+  for (const auto& zone : tree.zones) {
+    std::size_t own = 0;
+    for (const auto& face : zone.detail.faces) own += face.ground ? 0 : 1;
+    EXPECT_EQ(own % 10, 0U);
+    object_faces += own;
+  }
+  EXPECT_EQ(object_faces, boxes * 10);
+}
+
+TEST(Cut, AHugeObjectIsCutAndSaysSo) {
+  SceneMaker maker;
+  maker.box({0, 0, 0}, {400, 30, 20});
+  maker.object(ObjectKind::kObject);
+  maker.houses({0, 100, 0}, 30, 14);
+  SnappedScene scene = snapped(std::move(maker.scene));
+  const ZoneTree tree = cut_zones(scene, 200);
+  ASSERT_FALSE(scene.notes.empty());
+  EXPECT_EQ(scene.notes.back().what, "objects wider than 128 m, cut at zone borders");
+  EXPECT_GT(tree.zones.size(), 4U);
+}
+
+TEST(Cut, EverythingInOnePlaceEndsInOneSmallCell) {
+  SceneMaker maker;
+  for (int i = 0; i < 1000; ++i) maker.triangle({0, 0, 0}, {1, i * 0.01, 0}, {0, 0, 1}, 0);
+  maker.object(ObjectKind::kGround);
+  SnappedScene scene = snapped(std::move(maker.scene));
+  const ZoneTree tree = cut_zones(scene, 100);
+  EXPECT_EQ(tree.zones.size(), 1U);
+  EXPECT_EQ(tree.zones[0].detail.faces.size(), scene.mesh.faces.size());
+}
+
+}  // namespace
+}  // namespace zc

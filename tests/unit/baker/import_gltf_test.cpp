@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <draco/compression/encode.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
+
+#include "tests/unit/baker/import_support.h"
+
+namespace zc::test {
+namespace {
+
+class Gltf : public ImportTest {
+ protected:
+  static std::string floats(std::initializer_list<float> values) {
+    std::string bytes;
+    for (const float value : values) append(bytes, value);
+    return bytes;
+  }
+  static std::string shorts(std::initializer_list<std::uint16_t> values) {
+    std::string bytes;
+    for (const std::uint16_t value : values) append(bytes, value);
+    return bytes;
+  }
+  // One indexed triangle in the xz plane (the floor of glTF), facing up.
+  static std::string triangle_bin() { return floats({0, 0, 0, 0, 0, 2, 2, 0, 0}) + shorts({0, 1, 2}); }
+  static std::string triangle_json(const std::string& node = R"("mesh":0)", const std::string& more = "") {
+    return R"({"asset":{"version":"2.0"},)" + more + R"("scene":0,"scenes":[{"nodes":[0]}],"nodes":[{)" + node +
+           R"(}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"material":0}]}],)"
+           R"("materials":[{"name":"paint","pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,1,1],"metallicFactor":0,"roughnessFactor":0.5}}],)"
+           R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}],)"
+           R"("bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6}],"buffers":[{"byteLength":42}]})";
+  }
+  // A 6 × 6 bumpy grid.
+  static std::string draco_stream(int method) {
+    constexpr int kSide = 6;
+    draco::TriangleSoupMeshBuilder builder;
+    builder.Start(2 * kSide * kSide);
+    const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+    int face = 0;
+    const auto point = [](int x, int y) {
+      return std::array{static_cast<float>(x), static_cast<float>((x * y) % 3), static_cast<float>(y)};
+    };
+    for (int x = 0; x < kSide; ++x)
+      for (int y = 0; y < kSide; ++y) {
+        const auto a = point(x, y), b = point(x, y + 1), c = point(x + 1, y + 1), d = point(x + 1, y);
+        builder.SetAttributeValuesForFace(position, draco::FaceIndex(static_cast<std::uint32_t>(face++)), a.data(),
+                                          b.data(), c.data());
+        builder.SetAttributeValuesForFace(position, draco::FaceIndex(static_cast<std::uint32_t>(face++)), a.data(),
+                                          c.data(), d.data());
+      }
+    const auto mesh = builder.Finalize();
+    draco::Encoder encoder;
+    encoder.SetEncodingMethod(method);
+    encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, 14);
+    draco::EncoderBuffer buffer;
+    EXPECT_TRUE(encoder.EncodeMeshToBuffer(*mesh, &buffer).ok());
+    return {buffer.data(), buffer.size()};
+  }
+  static std::string draco_glb(const std::string& stream) {
+    const std::string length = std::to_string(stream.size());
+    return glb(
+        R"({"asset":{"version":"2.0"},"extensionsUsed":["KHR_draco_mesh_compression"],"extensionsRequired":["KHR_draco_mesh_compression"],)"
+        R"("scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"name":"Ground_tile"}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,)"
+        R"("extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{"POSITION":0}}}}]}],)"
+        R"("accessors":[{"componentType":5126,"count":49,"type":"VEC3"},{"componentType":5125,"count":216,"type":"SCALAR"}],)"
+        R"("bufferViews":[{"buffer":0,"byteLength":)" +
+            length + R"(}],"buffers":[{"byteLength":)" + length + "}]}",
+        stream);
+  }
+};
+
+TEST_F(Gltf, NodeTransformsApplyAndYUpBecomesZUp) {
+  const auto scene = import_text(
+      "node.glb", glb(triangle_json(R"("name":"house","mesh":0,"translation":[1000000,20,-3000000],"scale":[2,2,2])"),
+                      triangle_bin()));
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  expect_whole(*scene);
+  ASSERT_EQ(scene->triangles.size(), 1U);
+  EXPECT_EQ(scene->positions[0], glm::dvec3(1000000, 3000000, 20));
+  EXPECT_EQ(scene->positions[1], glm::dvec3(1000000, 2999996, 20));
+  EXPECT_EQ(scene->positions[2], glm::dvec3(1000004, 3000000, 20));
+  EXPECT_GT(normal2(*scene, 0).z, 0);
+  EXPECT_EQ(scene->objects[0].id, "house");
+  EXPECT_EQ(scene->objects[0].kind, ObjectKind::kObject);
+  EXPECT_EQ(scene->materials[0].name, "paint");
+  EXPECT_EQ(scene->materials[0].base_color, glm::vec3(0.5F, 0.25F, 1));
+  EXPECT_FLOAT_EQ(scene->materials[0].roughness, 0.5F);
+}
+
+TEST_F(Gltf, MirroringKeepsTrianglesFacingOut) {
+  const auto scene = import_text("mirror.glb", glb(triangle_json(R"("mesh":0,"scale":[-1,1,1])"), triangle_bin()));
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  EXPECT_GT(normal2(*scene, 0).z, 0);
+  EXPECT_EQ(scene->objects[0].id, "node_0");
+}
+
+TEST_F(Gltf, EveryPrefixOfAGlbIsAnErrorOfOneLine) {
+  const std::string file = glb(triangle_json(), triangle_bin());
+  ASSERT_TRUE(import_text("whole.glb", file).ok());
+  for (std::size_t length = 0; length < file.size(); ++length) {
+    const auto scene = import_text("cut.glb", std::string_view(file).substr(0, length));
+    ASSERT_FALSE(scene.ok()) << length;
+    EXPECT_EQ(scene.error().message.find('\n'), std::string::npos);
+    if (length >= 20) {
+      EXPECT_EQ(scene.error().byte_offset, static_cast<std::int64_t>(length));
+    }
+  }
+}
+
+// The declared length patched to fit: what lies behind the header must hold up by itself.
+TEST_F(Gltf, EveryShortenedGlbAndEveryChangedByteEndsWithoutACrash) {
+  const std::string file = glb(triangle_json(), triangle_bin());
+  for (std::size_t length = 12; length < file.size(); ++length) {
+    std::string cut = file.substr(0, length);
+    const auto declared = static_cast<std::uint32_t>(length);
+    std::memcpy(cut.data() + 8, &declared, 4);
+    EXPECT_FALSE(import_text("cut.glb", cut).ok()) << length;
+  }
+  for (std::size_t at = 0; at < file.size(); ++at)
+    for (const char value : {'\0', '9', '"', '\xFF'}) {
+      std::string changed = file;
+      changed[at] = value;
+      const auto scene = import_text("changed.glb", changed);
+      if (scene.ok()) expect_whole(*scene);
+    }
+}
+
+TEST_F(Gltf, DracoPrimitivesOfBothMethodsDecode) {
+  for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
+    const auto scene = import_text("draco.glb", draco_glb(draco_stream(method)));
+    ASSERT_TRUE(scene.ok()) << scene.error().describe();
+    expect_whole(*scene);
+    EXPECT_EQ(scene->triangles.size(), 72U);
+    EXPECT_EQ(scene->positions.size(), 49U);
+    EXPECT_EQ(scene->objects[0].kind, ObjectKind::kGround);  // by name
+    for (std::size_t t = 0; t < scene->triangles.size(); ++t) EXPECT_GT(normal2(*scene, t).z, 0);
+  }
+}
+
+TEST_F(Gltf, DamagedDracoStreamsEndWithoutACrash) {
+  for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
+    const std::string stream = draco_stream(method);
+    for (std::size_t length = 1; length + 1 < stream.size(); ++length) {
+      const auto scene = import_text("cut.glb", draco_glb(stream.substr(0, length)));
+      if (scene.ok()) expect_whole(*scene);  // padding at the end may be missed by nothing
+    }
+    for (std::size_t at = 0; at < stream.size(); ++at)
+      for (const char value : {'\0', '\x7F', '\xFF'}) {
+        std::string changed = stream;
+        changed[at] = value;
+        const auto scene = import_text("changed.glb", draco_glb(changed));
+        if (scene.ok()) expect_whole(*scene);
+      }
+    std::string swollen = stream;
+    const std::size_t counts = method == draco::MESH_SEQUENTIAL_ENCODING ? 11 : 12;
+    swollen.replace(counts, 4, "\xFF\xFF\xFF\x7F");
+    EXPECT_FALSE(import_text("swollen.glb", draco_glb(swollen)).ok());
+  }
+}
+
+TEST_F(Gltf, QuantisedStripsAndMissingIndicesAreRead) {
+  // Normalised bytes with a stride of four: a unit square as a strip.
+  std::string bin;
+  for (const auto& [x, z] : {std::pair{0, 0}, {0, 127}, {127, 0}, {127, 127}})
+    bin += {static_cast<char>(x), 0, static_cast<char>(z), 0};
+  const auto scene = import_text(
+      "strip.glb",
+      glb(R"({"asset":{"version":"2.0"},"extensionsRequired":["KHR_mesh_quantization"],"nodes":[{"mesh":0,"rotation":[0,0.70710678118654752,0,0.70710678118654752]}],)"
+          R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":5},{"attributes":{"POSITION":0},"mode":1}]}],)"
+          R"("accessors":[{"bufferView":0,"componentType":5120,"normalized":true,"count":4,"type":"VEC3"}],)"
+          R"("bufferViews":[{"buffer":0,"byteLength":16,"byteStride":4}],"buffers":[{"byteLength":16}]})",
+          bin));
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  EXPECT_EQ(scene->triangles.size(), 2U);
+  EXPECT_NEAR(area(*scene), 1.0, 1e-12);
+  for (std::size_t t = 0; t < 2; ++t) EXPECT_GT(normal2(*scene, t).z, 0);
+  EXPECT_EQ(noted(*scene, "without triangles"), 1U);
+}
+
+TEST_F(Gltf, SparseAccessorsReplaceElements) {
+  std::string bin = triangle_bin() + std::string(2, '\0') + shorts({1, 0}) + floats({0, 0, 8});
+  std::string json = triangle_json();
+  const auto put = [&](std::string_view from, std::string_view to) { json.replace(json.find(from), from.size(), to); };
+  put(R"("count":3,"type":"VEC3")",
+      R"("count":3,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":2,"componentType":5123},"values":{"bufferView":3}})");
+  put(R"("byteOffset":36,"byteLength":6})",
+      R"("byteOffset":36,"byteLength":6},{"buffer":0,"byteOffset":44,"byteLength":2},{"buffer":0,"byteOffset":48,"byteLength":12})");
+  put(R"("buffers":[{"byteLength":42}])", R"("buffers":[{"byteLength":60}])");
+  const auto scene = import_text("sparse.glb", glb(json, bin));
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  EXPECT_DOUBLE_EQ(area(*scene), 8.0);
+}
+
+TEST_F(Gltf, ExternalBuffersAreReadAndMissingImagesNoted) {
+  write("mesh data.bin", triangle_bin());
+  std::string json = triangle_json(R"("mesh":0)", R"("images":[{"uri":"none.png"}],"textures":[{"source":0}],)");
+  json.replace(json.find(R"([{"byteLength":42}])"), 19, R"([{"byteLength":42,"uri":"mesh%20data.bin"}])");
+  json.replace(json.find(R"("metallicFactor")"), 0, R"("baseColorTexture":{"index":0},)");
+  const auto scene = import_text("model.gltf", json);
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  EXPECT_EQ(noted(*scene, "missing texture"), 1U);
+  EXPECT_EQ(scene->materials[0].base_color, glm::vec3(0.5F, 0.25F, 1));
+  std::filesystem::remove(folder_ / "mesh data.bin");
+  EXPECT_FALSE(import(folder_ / "model.gltf").ok());
+}
+
+TEST_F(Gltf, TextureColourIsTheMeanInLinearLight) {
+  // A black and a white pixel: 0.5 in linear light, 0.21 if the mean were taken of the stored values.
+  const std::string png =
+      "data:image/png;base64,"
+      "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAIAAAB7QOjdAAAAD0lEQVR4nGNg"
+      "YGD4//8/AAYBAv4CsjmuAAAAAElFTkSuQmCC";
+  std::string json = triangle_json(R"("mesh":0)", R"("images":[{"uri":")" + png + R"("}],"textures":[{"source":0}],)");
+  json.replace(json.find(R"("metallicFactor")"), 0, R"("baseColorTexture":{"index":0},)");
+  const auto scene = import_text("painted.glb", glb(json, triangle_bin()));
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  EXPECT_TRUE(scene->notes.empty());
+  EXPECT_EQ(scene->materials[0].base_color, glm::vec3(0.25F, 0.125F, 0.5F));
+}
+
+TEST_F(Gltf, WhatIsNotHandledIsNamed) {
+  const auto scene = import_text(
+      "ext.glb",
+      glb(triangle_json(R"("mesh":0)", R"("extensionsRequired":["EXT_meshopt_compression"],)"), triangle_bin()));
+  ASSERT_FALSE(scene.ok());
+  EXPECT_EQ(scene.error().code, ErrorCode::kUnsupported);
+  EXPECT_NE(scene.error().message.find("EXT_meshopt_compression"), std::string::npos);
+}
+
+TEST_F(Gltf, WrongReferencesAreErrors) {
+  const std::string good = triangle_json();
+  ASSERT_TRUE(import_text("good.glb", glb(good, triangle_bin())).ok());
+  const auto fails = [&](std::string_view from, std::string_view to) {
+    std::string json = good;
+    ASSERT_NE(json.find(from), std::string::npos) << from;
+    json.replace(json.find(from), from.size(), to);
+    EXPECT_FALSE(import_text("wrong.glb", glb(json, triangle_bin())).ok()) << to;
+  };
+  fails(R"("mesh":0)", R"("mesh":1)");
+  fails(R"("mesh":0)", R"("mesh":0,"children":[0])");
+  fails(R"("mesh":0)", R"("mesh":0,"children":[5])");
+  fails(R"("mesh":0)", R"("mesh":0,"matrix":[1,2,3])");
+  fails(R"("scene":0)", R"("scene":4)");
+  fails(R"("indices":1)", R"("indices":7)");
+  fails(R"("indices":1)", R"("indices":0)");
+  fails(R"("POSITION":0)", R"("POSITION":1)");
+  fails(R"("POSITION":0)", R"("POSITION":"x")");
+  fails(R"("material":0)", R"("material":3)");
+  fails(R"("material":0)", R"("material":0,"mode":9)");
+  fails(R"("count":3,"type":"VEC3")", R"("count":4,"type":"VEC3")");
+  fails(R"("count":3,"type":"VEC3")", R"("count":2,"type":"VEC3")");
+  fails(R"("count":3,"type":"VEC3")", R"("count":18446744073709551615,"type":"VEC3")");
+  fails(R"("byteOffset":36)", R"("byteOffset":40)");
+  fails(R"("byteOffset":36)", R"("byteOffset":18446744073709551612)");
+  fails(R"("buffer":0)", R"("buffer":1)");
+  fails(R"([{"byteLength":42}])", R"([{"byteLength":420}])");
+  fails(R"([{"byteLength":42}])", R"([{"byteLength":42,"uri":"gone.bin"}])");
+  fails(R"([{"byteLength":42}])", R"([{"byteLength":"42"}])");
+  fails(R"("version":"2.0")", R"("version":"1.0")");
+}
+
+}  // namespace
+}  // namespace zc::test

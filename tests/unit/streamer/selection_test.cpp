@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "streamer/selection.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "streamer/cover.h"
+
+namespace zc {
+namespace {
+
+// A full quadtree without files: `levels` deep over 1024 m, pages of random size, errors halving with jitter.
+WorldIndex make_index(std::uint32_t levels, std::uint32_t seed) {
+  WorldIndex index;
+  std::mt19937 random(seed);
+  const auto add = [&](std::int32_t parent, std::uint32_t depth, std::uint32_t x, std::uint32_t y) {
+    NodeRecord node;
+    node.parent = parent;
+    node.depth = depth;
+    node.cell_x = x;
+    node.cell_y = y;
+    const auto size = static_cast<std::int32_t>((1024U << 8U) >> depth);
+    node.bounds_min = {static_cast<std::int32_t>(x) * size, static_cast<std::int32_t>(y) * size, 0};
+    node.bounds_max = {node.bounds_min[0] + size, node.bounds_min[1] + size, 50 << 8U};
+    node.error_max_m = 16.0F / static_cast<float>(1U << depth) * (0.5F + static_cast<float>(random() % 1000) / 500.0F);
+    node.page_bytes = 4 * (100 + static_cast<std::uint32_t>(random() % 400));
+    index.nodes.push_back(node);
+  };
+  add(-1, 0, 0, 0);
+  for (std::uint32_t n = 0; n < index.nodes.size(); ++n) {
+    const NodeRecord parent = index.nodes[n];
+    if (parent.depth + 1 == levels) continue;
+    index.nodes[n].first_child = static_cast<std::uint32_t>(index.nodes.size());
+    index.nodes[n].child_count = 4;
+    for (std::uint32_t c = 0; c < 4; ++c)
+      add(static_cast<std::int32_t>(n), parent.depth + 1, 2 * parent.cell_x + c % 2, 2 * parent.cell_y + c / 2);
+  }
+  return index;
+}
+
+struct Chooser {
+  explicit Chooser(const WorldIndex& world)
+      : index(world), loadable(world.nodes.size(), 1), previous(world.nodes.size()) {}
+
+  const Selection& run(std::span<const View> views, std::uint64_t budget) {
+    select_nodes(index, {.views = views, .loadable = loadable, .previous = previous, .budget_bytes = budget},
+                 selection);
+    std::fill(previous.begin(), previous.end(), std::uint8_t{0});
+    for (const std::uint32_t n : selection.nodes) previous[n] = 1;
+    return selection;
+  }
+
+  const WorldIndex& index;
+  std::vector<std::uint8_t> loadable;
+  std::vector<std::uint8_t> previous;
+  Selection selection;
+};
+
+TEST(Selection, fits_its_budget_and_is_closed_under_ancestors_and_siblings) {
+  const WorldIndex index = make_index(5, 1);
+  Chooser chooser(index);
+  std::mt19937 random(2);
+  for (int i = 0; i < 200; ++i) {
+    const View view{{random() % 1024, random() % 1024, 2}};
+    const std::uint64_t budget = 2048 + random() % 200000;
+    const Selection& selection = chooser.run(std::span(&view, 1), budget);
+    EXPECT_LE(selection.bytes, budget);
+    EXPECT_TRUE(std::is_sorted(selection.nodes.begin(), selection.nodes.end()));
+    std::vector<bool> seen(index.nodes.size());
+    std::uint64_t bytes = 0;
+    for (const std::uint32_t n : selection.by_priority) {
+      seen[n] = true;
+      bytes += pool_bytes(index.nodes[n]);
+      if (n == 0) continue;
+      EXPECT_TRUE(seen[static_cast<std::size_t>(index.nodes[n].parent)]);  // parents come first
+    }
+    EXPECT_EQ(bytes, selection.bytes);
+    for (const std::uint32_t n : selection.nodes) {
+      if (n == 0) continue;
+      const NodeRecord& parent = index.nodes[static_cast<std::size_t>(index.nodes[n].parent)];
+      for (std::uint32_t c = parent.first_child; c < parent.first_child + parent.child_count; ++c) EXPECT_TRUE(seen[c]);
+    }
+  }
+}
+
+TEST(Selection, at_a_fixed_camera_never_changes_again) {
+  std::mt19937 random(4);
+  for (std::uint32_t seed = 0; seed < 40; ++seed) {
+    const WorldIndex index = make_index(5, seed);
+    Chooser chooser(index);
+    // Arrive with some history.
+    for (int i = 0; i < 5; ++i) {
+      const View view{{random() % 1024, random() % 1024, 2}};
+      chooser.run(std::span(&view, 1), 40000);
+    }
+    const std::vector<View> views = {View{{random() % 1024, random() % 1024, 2}}, View{{random() % 1024, 500, 2}}};
+    const std::uint64_t budget = 3000 + random() % 100000;
+    const std::vector<std::uint32_t> first = chooser.run(views, budget).nodes;
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(chooser.run(views, budget).nodes, first);
+  }
+}
+
+TEST(Selection, a_small_step_back_and_forth_does_not_swap_nodes) {
+  const WorldIndex index = make_index(5, 9);
+  Chooser chooser(index);
+  const View here{{500, 500, 2}};
+  const View there{{500.5, 500, 2}};
+  chooser.run(std::span(&here, 1), 40000);
+  const std::vector<std::uint32_t> second = chooser.run(std::span(&there, 1), 40000).nodes;
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(chooser.run(std::span(&here, 1), 40000).nodes, second);
+    EXPECT_EQ(chooser.run(std::span(&there, 1), 40000).nodes, second);
+  }
+}
+
+TEST(Selection, with_budget_enough_holds_every_wanted_node) {
+  const WorldIndex index = make_index(5, 5);
+  Chooser chooser(index);
+  const View view{{300, 300, 2}};
+  const Selection& selection = chooser.run(std::span(&view, 1), 1ULL << 40U);
+  EXPECT_GT(selection.wanted.size(), 4U);
+  EXPECT_TRUE(
+      std::includes(selection.nodes.begin(), selection.nodes.end(), selection.wanted.begin(), selection.wanted.end()));
+}
+
+TEST(Selection, detail_is_selected_and_wanted_only_when_asked_for) {
+  WorldIndex index = make_index(1, 1);
+  index.nodes.push_back(index.nodes[0]);
+  index.nodes[1].parent = 0;
+  index.nodes[1].flags = kNodeDetail;
+  index.nodes[0].first_child = 1;
+  index.nodes[0].child_count = 1;
+  const View view{{500, 500, 2}};
+  const std::vector<std::uint8_t> none = {1, 0};
+  const std::vector<std::uint8_t> all = {1, 1};
+  Selection selection;
+  select_nodes(index, {.views = std::span(&view, 1), .loadable = none, .budget_bytes = 1 << 20U}, selection);
+  EXPECT_EQ(selection.nodes, (std::vector<std::uint32_t>{0}));
+  EXPECT_EQ(selection.wanted, (std::vector<std::uint32_t>{0}));
+  select_nodes(index, {.views = std::span(&view, 1), .loadable = all, .budget_bytes = 1 << 20U, .include_detail = true},
+               selection);
+  EXPECT_EQ(selection.nodes, (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(selection.wanted, (std::vector<std::uint32_t>{1}));
+}
+
+TEST(Cover, covers_every_leaf_exactly_once_with_resident_nodes) {
+  const WorldIndex index = make_index(5, 1);
+  std::mt19937 random(6);
+  std::vector<std::uint8_t> resident(index.nodes.size());
+  std::vector<std::uint8_t> scratch(index.nodes.size());
+  std::vector<std::uint32_t> cover;
+  for (int i = 0; i < 300; ++i) {
+    const std::uint32_t share = static_cast<std::uint32_t>(random() % 10);
+    for (std::uint8_t& r : resident) r = random() % 10 < share ? 1 : 0;
+    resident[0] = 1;
+    compute_cover(index, resident, scratch, cover);
+    for (const std::uint32_t n : cover) EXPECT_EQ(resident[n], 1);
+    for (std::uint32_t n = 0; n < index.nodes.size(); ++n) {
+      if (index.nodes[n].child_count > 0) continue;
+      int times = 0;
+      for (std::int32_t a = static_cast<std::int32_t>(n); a >= 0; a = index.nodes[static_cast<std::size_t>(a)].parent)
+        times += std::binary_search(cover.begin(), cover.end(), static_cast<std::uint32_t>(a)) ? 1 : 0;
+      ASSERT_EQ(times, 1);
+    }
+  }
+}
+
+TEST(Cover, a_broken_inner_node_does_not_hide_what_is_below_it) {
+  const WorldIndex index = make_index(3, 1);
+  std::vector<std::uint8_t> resident(index.nodes.size(), 1);
+  resident[1] = 0;
+  std::vector<std::uint8_t> scratch(index.nodes.size());
+  std::vector<std::uint32_t> cover;
+  compute_cover(index, resident, scratch, cover);
+  EXPECT_EQ(cover.size(), 16U);
+  resident[index.nodes[1].first_child] = 0;
+  compute_cover(index, resident, scratch, cover);
+  EXPECT_EQ(cover, (std::vector<std::uint32_t>{0}));
+}
+
+}  // namespace
+}  // namespace zc

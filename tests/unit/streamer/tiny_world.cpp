@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/unit/streamer/tiny_world.h"
+
+#include <draco/compression/decode.h>
+#include <draco/compression/expert_encode.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "base/check.h"
+#include "base/file.h"
+
+namespace zc::test {
+namespace {
+
+using Json = nlohmann::json;
+using Vertex = std::array<std::uint16_t, 3>;
+
+constexpr std::uint32_t kLeafExtent = 1U << 14U;  // 64 m in lattice steps of 2^-8 m
+
+struct Part {
+  std::vector<Vertex> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+Part make_ground(std::uint32_t grid, std::uint32_t extent, std::mt19937& random) {
+  Part part;
+  for (std::uint32_t y = 0; y <= grid; ++y)
+    for (std::uint32_t x = 0; x <= grid; ++x)
+      part.vertices.push_back({static_cast<std::uint16_t>(x * extent / grid),
+                               static_cast<std::uint16_t>(y * extent / grid),
+                               static_cast<std::uint16_t>(random() % (extent / 8 + 1))});
+  for (std::uint32_t y = 0; y < grid; ++y)
+    for (std::uint32_t x = 0; x < grid; ++x) {
+      const std::uint32_t a = y * (grid + 1) + x;
+      part.triangles.push_back({a, a + 1, a + grid + 2});
+      part.triangles.push_back({a, a + grid + 2, a + grid + 1});
+    }
+  return part;
+}
+
+Part make_soup(std::uint32_t count, std::uint32_t extent, std::mt19937& random) {
+  Part part;
+  for (std::uint32_t t = 0; t < count; ++t) {
+    for (int k = 0; k < 3; ++k)
+      part.vertices.push_back({static_cast<std::uint16_t>(random() % (extent + 1)),
+                               static_cast<std::uint16_t>(random() % (extent + 1)),
+                               static_cast<std::uint16_t>(random() % (extent + 1))});
+    part.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  return part;
+}
+
+struct Stream {
+  std::vector<std::byte> bytes;
+  std::uint32_t points = 0;
+  std::uint32_t faces = 0;
+  std::uint32_t attribute = 0;
+};
+
+Stream encode(const Part& part, bool sequential) {
+  draco::Mesh mesh;
+  mesh.set_num_points(static_cast<std::uint32_t>(part.vertices.size()));
+  draco::GeometryAttribute position;
+  position.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_UINT16, false, 6, 0);
+  const int attribute = mesh.AddAttribute(position, true, static_cast<std::uint32_t>(part.vertices.size()));
+  for (std::uint32_t i = 0; i < part.vertices.size(); ++i)
+    mesh.attribute(attribute)->SetAttributeValue(draco::AttributeValueIndex(i), part.vertices[i].data());
+  mesh.SetNumFaces(part.triangles.size());
+  for (std::uint32_t i = 0; i < part.triangles.size(); ++i) {
+    const auto& t = part.triangles[i];
+    mesh.SetFace(draco::FaceIndex(i), {draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])});
+  }
+  draco::ExpertEncoder encoder(mesh);
+  encoder.SetSpeedOptions(3, 3);
+  encoder.SetEncodingMethod(sequential ? draco::MESH_SEQUENTIAL_ENCODING : draco::MESH_EDGEBREAKER_ENCODING);
+  draco::EncoderBuffer buffer;
+  ZC_CHECK(encoder.EncodeToBuffer(&buffer).ok());
+  draco::DecoderBuffer input;
+  input.Init(buffer.data(), buffer.size());
+  draco::Decoder decoder;
+  auto decoded = decoder.DecodeMeshFromBuffer(&input);
+  ZC_CHECK(decoded.ok());
+  Stream stream;
+  stream.bytes.resize(buffer.size());
+  std::memcpy(stream.bytes.data(), buffer.data(), buffer.size());
+  stream.points = decoded.value()->num_points();
+  stream.faces = decoded.value()->num_faces();
+  stream.attribute = decoded.value()->GetNamedAttribute(draco::GeometryAttribute::POSITION)->unique_id();
+  return stream;
+}
+
+void append_word(std::vector<std::byte>& out, std::uint32_t value) {
+  const auto* bytes = reinterpret_cast<const std::byte*>(&value);
+  out.insert(out.end(), bytes, bytes + sizeof value);
+}
+
+std::vector<std::byte> make_glb(const std::vector<Stream>& streams) {
+  Json json = {{"asset", {{"version", "2.0"}}}};
+  std::vector<std::byte> bin;
+  for (std::size_t i = 0; i < streams.size(); ++i) {
+    const Stream& stream = streams[i];
+    json["accessors"].push_back({{"componentType", 5123}, {"count", stream.points}, {"type", "VEC3"}});
+    json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bin.size()}, {"byteLength", stream.bytes.size()}});
+    json["materials"].push_back({{"extras", {{"zonecast_material", i}}}});
+    json["meshes"][0]["primitives"].push_back(
+        {{"attributes", {{"POSITION", i}}},
+         {"material", i},
+         {"extensions",
+          {{"KHR_draco_mesh_compression", {{"bufferView", i}, {"attributes", {{"POSITION", stream.attribute}}}}}}}});
+    bin.insert(bin.end(), stream.bytes.begin(), stream.bytes.end());
+    bin.resize((bin.size() + 3) / 4 * 4);
+  }
+  std::string text = json.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  std::vector<std::byte> out;
+  for (const std::size_t word :
+       {std::size_t{0x46546C67}, std::size_t{2}, 28 + text.size() + bin.size(), text.size(), std::size_t{0x4E4F534A}})
+    append_word(out, static_cast<std::uint32_t>(word));
+  const auto* chars = reinterpret_cast<const std::byte*>(text.data());
+  out.insert(out.end(), chars, chars + text.size());
+  append_word(out, static_cast<std::uint32_t>(bin.size()));
+  append_word(out, 0x004E4942);
+  out.insert(out.end(), bin.begin(), bin.end());
+  return out;
+}
+
+struct Box {
+  Vertex low = {0xFFFF, 0xFFFF, 0xFFFF};
+  Vertex high = {0, 0, 0};
+};
+
+class MedianBuilder {
+ public:
+  explicit MedianBuilder(const ZoneMesh& mesh) : mesh_(mesh) {
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) bvh_.order.push_back(t);
+  }
+
+  BvhFile run() {
+    const auto count = static_cast<std::uint32_t>(bvh_.order.size());
+    if (count <= 4) {
+      bvh_.nodes.emplace_back();
+      set_child(0, 0, box_of(0, count), leaf(0, count));
+      set_child(0, 1, Box{}, gpu::kRefNone);
+      bvh_.depth = 1;
+    } else {
+      split(0, count, 1);
+    }
+    return std::move(bvh_);
+  }
+
+ private:
+  static std::uint32_t leaf(std::uint32_t first, std::uint32_t count) {
+    return gpu::kRefLeaf | count << gpu::kRefCountShift | first;
+  }
+
+  std::uint32_t split(std::uint32_t first, std::uint32_t end, std::uint32_t depth) {
+    const auto node = static_cast<std::uint32_t>(bvh_.nodes.size());
+    bvh_.nodes.emplace_back();
+    bvh_.depth = std::max(bvh_.depth, depth);
+    const Box box = box_of(first, end);
+    std::size_t axis = 0;
+    for (std::size_t a = 1; a < 3; ++a)
+      if (box.high[a] - box.low[a] > box.high[axis] - box.low[axis]) axis = a;
+    const auto key = [&](std::uint32_t t) {
+      std::uint32_t sum = 0;
+      for (const std::uint32_t v : mesh_.triangles[t]) sum += mesh_.vertices[v][axis];
+      return std::pair(sum, t);
+    };
+    const std::uint32_t middle = (first + end) / 2;
+    std::sort(bvh_.order.begin() + first, bvh_.order.begin() + end,
+              [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    const std::array<std::pair<std::uint32_t, std::uint32_t>, 2> halves = {{{first, middle}, {middle, end}}};
+    for (int side = 0; side < 2; ++side) {
+      const auto [a, b] = halves[static_cast<std::size_t>(side)];
+      const std::uint32_t ref = b - a <= 4 ? leaf(a, b - a) : split(a, b, depth + 1);
+      set_child(node, side, box_of(a, b), ref);
+    }
+    return node;
+  }
+
+  [[nodiscard]] Box box_of(std::uint32_t first, std::uint32_t end) const {
+    Box box;
+    for (std::uint32_t i = first; i < end; ++i)
+      for (const std::uint32_t v : mesh_.triangles[bvh_.order[i]])
+        for (std::size_t a = 0; a < 3; ++a) {
+          box.low[a] = std::min(box.low[a], mesh_.vertices[v][a]);
+          box.high[a] = std::max(box.high[a], mesh_.vertices[v][a]);
+        }
+    return box;
+  }
+
+  void set_child(std::uint32_t node, int side, const Box& box, std::uint32_t ref) {
+    const auto pack = [](std::uint32_t low, std::uint32_t high) { return low | high << 16U; };
+    const std::uint32_t a = pack(box.low[0], box.low[1]);
+    const std::uint32_t b = pack(box.low[2], box.high[0]);
+    const std::uint32_t c = pack(box.high[1], box.high[2]);
+    gpu::BvhNode& n = bvh_.nodes[node];
+    if (side == 0) {
+      n.min0_xy = a, n.min0_z_max0_x = b, n.max0_yz = c, n.ref0 = ref;
+    } else {
+      n.min1_xy = a, n.min1_z_max1_x = b, n.max1_yz = c, n.ref1 = ref;
+    }
+  }
+
+  const ZoneMesh& mesh_;
+  BvhFile bvh_;
+};
+
+void add_files(TinyWorld& world, NodeRecord& record, TinyZone zone) {
+  world.files[node_file(record, "glb")] = std::move(zone.glb);
+  world.files[node_file(record, "zbvh")] = std::move(zone.bvh);
+}
+
+}  // namespace
+
+BvhFile build_median_bvh(const ZoneMesh& mesh) { return MedianBuilder(mesh).run(); }
+
+TinyZone make_tiny_zone(std::uint32_t grid, std::uint32_t soup, std::uint32_t extent, std::uint32_t seed,
+                        NodeRecord& record, bool sequential) {
+  std::mt19937 random(seed);
+  std::vector<Stream> streams;
+  streams.push_back(encode(make_ground(grid, extent, random), sequential));
+  if (soup > 0) streams.push_back(encode(make_soup(soup, extent, random), sequential));
+  TinyZone zone;
+  zone.glb = make_glb(streams);
+  record.triangle_count = 0;
+  record.vertex_count = 0;
+  record.primitive_count = static_cast<std::uint32_t>(streams.size());
+  for (const Stream& stream : streams) {
+    record.triangle_count += stream.faces;
+    record.vertex_count += stream.points;
+  }
+  record.glb_bytes = zone.glb.size();
+  record.glb_xxh3 = XXH3_64bits(zone.glb.data(), zone.glb.size());
+  const Result<ZoneMesh> mesh = decode_zone_glb(zone.glb, record, "tiny");
+  if (!mesh.ok()) std::fprintf(stderr, "%s\n", mesh.error().describe().c_str());
+  ZC_CHECK(mesh.ok());
+  const BvhFile bvh = build_median_bvh(*mesh);
+  zone.bvh = encode_bvh_file(bvh);
+  record.bvh_node_count = static_cast<std::uint32_t>(bvh.nodes.size());
+  record.bvh_depth = bvh.depth;
+  record.bvh_bytes = zone.bvh.size();
+  record.bvh_xxh3 = XXH3_64bits(zone.bvh.data(), zone.bvh.size());
+  record.page_bytes = 4 * (8 + 8 * record.bvh_node_count + 5 * record.triangle_count);
+  record.scratch_bytes = decode_scratch_bytes(zone.glb, record);
+  return zone;
+}
+
+TinyWorld make_tiny_world(const TinyWorldOptions& options) {
+  TinyWorld world;
+  world.index.materials.resize(2);
+  world.index.crs = "EPSG:25832";
+  const std::uint32_t top_shift = options.levels - 1;
+  const auto anchor = static_cast<std::int64_t>(kTinyOrigin_m * 256);
+  world.index.header.anchor = {anchor, anchor, 0};
+  const auto extent = static_cast<std::int32_t>(kLeafExtent << top_shift);
+  world.index.header.bounds_max = {extent, extent, extent};
+
+  std::mt19937 random(options.seed);
+  const auto add = [&](std::int32_t parent, std::uint32_t depth, std::uint32_t x, std::uint32_t y,
+                       std::uint32_t flags) {
+    NodeRecord node;
+    node.parent = parent;
+    node.depth = depth;
+    node.cell_x = x;
+    node.cell_y = y;
+    node.flags = flags;
+    node.step_shift = top_shift - depth;
+    const std::uint32_t size = kLeafExtent << node.step_shift;
+    node.origin = {static_cast<std::int32_t>(x * size), static_cast<std::int32_t>(y * size), 0};
+    for (std::size_t a = 0; a < 3; ++a) {
+      node.bounds_min[a] = node.origin[a];
+      node.bounds_max[a] = node.origin[a] + static_cast<std::int32_t>(size);
+    }
+    const bool detail = node.is_detail();
+    node.error_max_m = detail ? 0.0F : 0.25F * static_cast<float>(1U << node.step_shift);
+    node.error_mean_m = node.error_max_m / 4;
+    const std::uint32_t grid = (options.grid + static_cast<std::uint32_t>(random() % 4)) * (detail ? 2 : 1);
+    add_files(world, node, make_tiny_zone(grid, options.soup, kLeafExtent, static_cast<std::uint32_t>(random()), node));
+    world.index.nodes.push_back(node);
+  };
+  add(-1, 0, 0, 0, 0);
+  for (std::uint32_t n = 0; n < world.index.nodes.size(); ++n) {
+    const NodeRecord parent = world.index.nodes[n];
+    if (parent.is_detail()) continue;
+    const auto first = static_cast<std::uint32_t>(world.index.nodes.size());
+    if (parent.depth + 1 < options.levels) {
+      for (std::uint32_t c = 0; c < 4; ++c)
+        add(static_cast<std::int32_t>(n), parent.depth + 1, 2 * parent.cell_x + c % 2, 2 * parent.cell_y + c / 2, 0);
+    } else if (options.detail) {
+      add(static_cast<std::int32_t>(n), parent.depth, parent.cell_x, parent.cell_y, kNodeDetail);
+    } else {
+      continue;
+    }
+    world.index.nodes[n].first_child = first;
+    world.index.nodes[n].child_count = static_cast<std::uint32_t>(world.index.nodes.size()) - first;
+  }
+  world.files[kWorldIndexName] = encode_world_index(world.index);
+  return world;
+}
+
+void write_tiny_world(const TinyWorld& world, const std::filesystem::path& dir) {
+  for (const auto& [name, bytes] : world.files) {
+    std::filesystem::create_directories((dir / name).parent_path());
+    ZC_CHECK(write_file(dir / name, bytes).ok());
+  }
+}
+
+double tiny_world_size_m(const TinyWorldOptions& options) { return 64.0 * (1U << (options.levels - 1)); }
+
+std::vector<std::uint32_t> page_of(const TinyWorld& world, std::uint32_t node) {
+  const NodeRecord& record = world.index.nodes[node];
+  const Result<ZoneMesh> mesh = decode_zone_glb(world.files.at(node_file(record, "glb")), record, "tiny");
+  const Result<BvhFile> bvh = decode_bvh_file(world.files.at(node_file(record, "zbvh")), "tiny");
+  ZC_CHECK(mesh.ok() && bvh.ok());
+  Result<std::vector<std::uint32_t>> page =
+      assemble_page(*mesh, *bvh, record, static_cast<std::uint32_t>(world.index.materials.size()), "tiny");
+  ZC_CHECK(page.ok());
+  return *page;
+}
+
+Result<std::vector<std::byte>> MemorySource::read(const std::string& name, std::uint64_t bytes) {
+  ZC_ASSIGN(std::vector<std::byte> data, read_all(name, UINT64_MAX));
+  if (data.size() != bytes) return Error{ErrorCode::kFormat, "wrong size", name};
+  return data;
+}
+
+Result<std::vector<std::byte>> MemorySource::read_all(const std::string& name, std::uint64_t limit_bytes) {
+  const std::lock_guard lock(mutex_);
+  const auto found = files_.find(name);
+  if (found == files_.end()) return Error{ErrorCode::kIo, "no such file", name};
+  if (found->second.size() > limit_bytes) return Error{ErrorCode::kFormat, "too large", name};
+  return found->second;
+}
+
+void MemorySource::flip_byte(const std::string& name, std::size_t at) {
+  const std::lock_guard lock(mutex_);
+  files_.at(name).at(at) ^= std::byte{0x40};
+}
+
+void MemorySource::remove(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  files_.erase(name);
+}
+
+void MemorySource::restore(const std::string& name, std::vector<std::byte> bytes) {
+  const std::lock_guard lock(mutex_);
+  files_[name] = std::move(bytes);
+}
+
+}  // namespace zc::test

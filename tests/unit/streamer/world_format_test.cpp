@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+#include <xxhash.h>
+
+#include <cstring>
+#include <random>
+
+#include "streamer/streamer.h"
+#include "streamer/world_format/bvh_page.h"
+#include "streamer/world_format/world_index.h"
+#include "tests/unit/streamer/tiny_world.h"
+
+namespace zc {
+namespace {
+
+using test::make_tiny_world;
+using test::TinyWorld;
+
+const TinyWorld& world() {
+  static const TinyWorld kWorld = make_tiny_world({.levels = 2, .detail = true});
+  return kWorld;
+}
+
+// An exactly sized heap buffer, so that a sanitizer sees a read past its end.
+std::vector<std::byte> prefix(const std::vector<std::byte>& bytes, std::size_t count) {
+  return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count)};
+}
+
+void rehash(std::vector<std::byte>& bytes) {
+  WorldHeader header;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  header.body_xxh3 = XXH3_64bits(bytes.data() + sizeof header, bytes.size() - sizeof header);
+  header.header_xxh3 = XXH3_64bits(&header, offsetof(WorldHeader, header_xxh3));
+  std::memcpy(bytes.data(), &header, sizeof header);
+}
+
+// What a valid index promises to those who use it.
+void use_index(const WorldIndex& index) {
+  EXPECT_GT(smallest_cap_bytes(index), 0U);
+  const std::vector<std::uint8_t> loadable(index.nodes.size(), 1);
+  const std::vector<View> views(2);
+  Selection selection;
+  select_nodes(index, {.views = views, .loadable = loadable, .budget_bytes = 1ULL << 40U, .tolerance = 1e-9},
+               selection);
+  EXPECT_LE(selection.nodes.size(), index.nodes.size());
+}
+
+TEST(WorldIndex, comes_back_as_it_was_written) {
+  const WorldIndex& before = world().index;
+  const std::vector<std::byte> bytes = encode_world_index(before);
+  const Result<WorldIndex> after = decode_world_index(bytes, "world.zcw");
+  ASSERT_TRUE(after.ok()) << after.error().describe();
+  ASSERT_EQ(after->nodes.size(), before.nodes.size());
+  EXPECT_EQ(std::memcmp(after->nodes.data(), before.nodes.data(), before.nodes.size() * sizeof(NodeRecord)), 0);
+  EXPECT_EQ(after->materials.size(), 2U);
+  EXPECT_EQ(after->crs, "EPSG:25832");
+  EXPECT_EQ(encode_world_index(*after), bytes);
+  EXPECT_DOUBLE_EQ(after->step_m(), 1.0 / 256);
+}
+
+TEST(WorldIndex, names_a_nodes_files_by_its_cell) {
+  NodeRecord node;
+  node.depth = 3;
+  node.cell_x = 5;
+  node.cell_y = 2;
+  EXPECT_EQ(node_file(node, "glb"), "zones/3/5_2.glb");
+  node.flags = kNodeDetail;
+  EXPECT_EQ(node_file(node, "zbvh"), "zones/3/5_2.detail.zbvh");
+}
+
+TEST(WorldIndex, every_truncated_prefix_is_an_error) {
+  const std::vector<std::byte> bytes = encode_world_index(world().index);
+  for (std::size_t n = 0; n < bytes.size(); ++n) EXPECT_FALSE(decode_world_index(prefix(bytes, n), "w").ok()) << n;
+}
+
+TEST(WorldIndex, every_flipped_byte_is_an_error) {
+  const std::vector<std::byte> good = encode_world_index(world().index);
+  std::mt19937 random(7);
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<std::byte> bytes = good;
+    bytes[random() % bytes.size()] ^= static_cast<std::byte>(1 + random() % 255);
+    EXPECT_FALSE(decode_world_index(bytes, "w").ok());
+  }
+}
+
+TEST(WorldIndex, with_its_hashes_forged_is_an_error_or_usable) {
+  const std::vector<std::byte> good = encode_world_index(world().index);
+  std::mt19937 random(8);
+  int accepted = 0;
+  for (int i = 0; i < 4000; ++i) {
+    std::vector<std::byte> bytes = good;
+    for (std::uint32_t flips = 1 + static_cast<std::uint32_t>(random() % 2); flips > 0; --flips)
+      bytes[12 + random() % (bytes.size() - 12)] ^= static_cast<std::byte>(1 + random() % 255);
+    rehash(bytes);
+    const Result<WorldIndex> index = decode_world_index(bytes, "w");
+    if (!index.ok()) continue;
+    ++accepted;
+    use_index(*index);
+  }
+  EXPECT_GT(accepted, 0);
+  EXPECT_LT(accepted, 3000);
+}
+
+TEST(WorldIndex, refuses_trees_that_are_none) {
+  const auto refused = [](auto change) {
+    WorldIndex index = world().index;
+    change(index.nodes);
+    return !decode_world_index(encode_world_index(index), "w").ok();
+  };
+  using Nodes = std::vector<NodeRecord>;
+  EXPECT_FALSE(refused([](Nodes&) {}));
+  EXPECT_TRUE(refused([](Nodes& n) { n[0].first_child = 0; }));
+  EXPECT_TRUE(refused([](Nodes& n) { n[0].child_count = 0xFFFFFFFF; }));
+  EXPECT_TRUE(refused([](Nodes& n) { n[1].parent = 2; }));
+  EXPECT_TRUE(refused([](Nodes& n) { n[2].first_child = n[1].first_child; }));
+  EXPECT_TRUE(refused([](Nodes& n) { n[1].page_bytes += 4; }));
+  EXPECT_TRUE(refused([](Nodes& n) { n[1].bvh_bytes += 4; }));
+  EXPECT_TRUE(refused([](Nodes& n) { n[1].error_max_m = NAN; }));
+  EXPECT_TRUE(refused([](Nodes& n) { n[1].bounds_max[0] = n[1].bounds_min[0] - 1; }));
+  EXPECT_TRUE(refused([](Nodes& n) { n[1].flags = 8; }));
+  EXPECT_TRUE(refused([](Nodes& n) { n.back().flags = 0, n[1].flags = kNodeDetail; }));
+}
+
+TEST(BvhFile, comes_back_and_refuses_prefixes_and_survives_flips) {
+  const std::vector<std::byte>& good = world().files.at("zones/1/1_0.zbvh");
+  const Result<BvhFile> bvh = decode_bvh_file(good, "b");
+  ASSERT_TRUE(bvh.ok());
+  EXPECT_EQ(encode_bvh_file(*bvh), good);
+  for (std::size_t n = 0; n < good.size(); ++n) EXPECT_FALSE(decode_bvh_file(prefix(good, n), "b").ok()) << n;
+
+  const NodeRecord& record = world().index.nodes[2];
+  const Result<ZoneMesh> mesh = decode_zone_glb(world().files.at("zones/1/1_0.glb"), record, "g");
+  ASSERT_TRUE(mesh.ok());
+  std::mt19937 random(9);
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<std::byte> bytes = good;
+    bytes[random() % bytes.size()] ^= static_cast<std::byte>(1 + random() % 255);
+    const Result<BvhFile> flipped = decode_bvh_file(bytes, "b");
+    if (!flipped.ok()) continue;
+    const auto page = assemble_page(*mesh, *flipped, record, 2, "b");
+    if (page.ok()) {
+      EXPECT_TRUE(verify_page(*page, 2, "p").ok());
+    }
+  }
+}
+
+TEST(ZoneGlb, keeps_every_vertex_and_material) {
+  const NodeRecord& record = world().index.nodes[1];
+  const Result<ZoneMesh> mesh = decode_zone_glb(world().files.at("zones/1/0_0.glb"), record, "g");
+  ASSERT_TRUE(mesh.ok()) << mesh.error().describe();
+  EXPECT_EQ(mesh->triangles.size(), record.triangle_count);
+  EXPECT_EQ(mesh->vertices.size(), record.vertex_count);
+  EXPECT_EQ(mesh->materials.front(), 0);
+  EXPECT_EQ(mesh->materials.back(), 1);
+  std::uint16_t widest = 0;
+  for (const auto& vertex : mesh->vertices) widest = std::max(widest, vertex[0]);
+  EXPECT_EQ(widest, 1U << 14U);  // lossless: the ground ends exactly at the zone's border
+}
+
+TEST(ZoneGlb, prefixes_and_flips_are_errors_or_meshes_of_the_promised_size) {
+  for (const bool sequential : {false, true}) {
+    NodeRecord record;
+    const test::TinyZone zone = test::make_tiny_zone(3, 4, 1000, 5, record, sequential);
+    for (std::size_t n = 0; n < zone.glb.size(); ++n)
+      EXPECT_FALSE(decode_zone_glb(prefix(zone.glb, n), record, "g").ok()) << n;
+    std::mt19937 random(10);
+    for (int i = 0; i < 2000; ++i) {
+      std::vector<std::byte> bytes = zone.glb;
+      bytes[random() % bytes.size()] ^= static_cast<std::byte>(1 + random() % 255);
+      const Result<ZoneMesh> mesh = decode_zone_glb(bytes, record, "g");
+      if (!mesh.ok()) continue;
+      EXPECT_EQ(mesh->triangles.size(), record.triangle_count);
+      EXPECT_EQ(mesh->vertices.size(), record.vertex_count);
+      for (const auto& triangle : mesh->triangles)
+        for (const std::uint32_t corner : triangle) EXPECT_LT(corner, mesh->vertices.size());
+    }
+  }
+}
+
+TEST(ZoneGlb, deeply_nested_json_is_an_error) {
+  NodeRecord record;
+  const test::TinyZone zone = test::make_tiny_zone(2, 0, 1000, 5, record);
+  std::vector<std::byte> bytes = zone.glb;
+  std::uint32_t json_bytes = 0;
+  std::memcpy(&json_bytes, bytes.data() + 12, 4);
+  std::fill(bytes.begin() + 20, bytes.begin() + 20 + json_bytes, std::byte{'['});
+  EXPECT_FALSE(decode_zone_glb(bytes, record, "g").ok());
+}
+
+TEST(Page, check_finds_wrong_boxes_references_depths_and_materials) {
+  const std::vector<std::uint32_t> good = test::page_of(world(), 0);
+  ASSERT_TRUE(verify_page(good, 2, "p").ok());
+  EXPECT_FALSE(verify_page(good, 1, "p").ok());  // material 1 does not exist
+  const auto refused = [&](std::size_t word, std::uint32_t value) {
+    std::vector<std::uint32_t> page = good;
+    page[word] = value;
+    return !verify_page(page, 2, "p").ok();
+  };
+  EXPECT_TRUE(refused(0, 0));                // magic
+  EXPECT_TRUE(refused(5, good[5] - 1));      // depth
+  EXPECT_TRUE(refused(5, 33));               //
+  EXPECT_TRUE(refused(7, 1));                // reserved
+  EXPECT_TRUE(refused(8 + 0, good[8] + 1));  // a box that leaves out a vertex
+  EXPECT_TRUE(refused(8 + 2, good[8 + 2] - 0x10000));
+  EXPECT_TRUE(refused(8 + 6, good[8 + 7]));    // a subtree twice
+  EXPECT_TRUE(refused(8 + 6, 0));              // a cycle
+  EXPECT_TRUE(refused(8 + 6, 0x00FFFFFF));     // a node that is not there
+  EXPECT_TRUE(refused(8 + 6, gpu::kRefNone));  // a subtree left out
+  EXPECT_TRUE(refused(8 + 6, gpu::kRefLeaf | 9U << gpu::kRefCountShift));
+}
+
+TEST(Page, flips_and_prefixes_are_errors_or_sound_pages) {
+  const std::vector<std::uint32_t> good = test::page_of(world(), 1);
+  for (std::size_t n = 0; n < good.size(); ++n) {
+    const std::vector<std::uint32_t> cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(n));
+    EXPECT_FALSE(verify_page(cut, 2, "p").ok()) << n;
+  }
+  std::mt19937 random(11);
+  int accepted = 0;
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<std::uint32_t> page = good;
+    page[random() % page.size()] ^= 1U << random() % 32;
+    accepted += verify_page(page, 2, "p").ok() ? 1 : 0;
+  }
+  EXPECT_LT(accepted, 2000);
+}
+
+}  // namespace
+}  // namespace zc
