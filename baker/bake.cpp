@@ -105,7 +105,7 @@ Status encode_node(const ProxyNode& source, std::span<const Material> materials,
   node.triangle_count = zone.triangle_count;
   node.vertex_count = zone.vertex_count;
   node.primitive_count = zone.primitive_count;
-  node.scratch_bytes = decode_scratch_bound(node.triangle_count, node.vertex_count, zone.glb.size());
+  node.scratch_bytes = decode_scratch_bytes(zone.glb, node);
   node.glb_bytes = zone.glb.size();
   node.glb_xxh3 = XXH3_64bits(zone.glb.data(), zone.glb.size());
   const std::string name = node_file(node, "glb");

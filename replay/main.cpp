@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parses, calls, reports. Exit codes: 0 success, 1 failure, 2 bad arguments.
+#include <malloc.h>
+
 #include <exception>
 #include <iostream>
 
@@ -43,6 +45,9 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Decode scratch goes back to the system when it is freed, so that the process holds what the ledger says.
+  mallopt(M_MMAP_THRESHOLD, 1 << 16);
+  mallopt(M_TRIM_THRESHOLD, 1 << 16);
   try {
     return run(argc, argv);
   } catch (const std::bad_alloc&) {
