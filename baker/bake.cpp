@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <xxhash.h>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -14,7 +15,6 @@
 #include <optional>
 #include <set>
 #include <thread>
-#include <xxhash.h>
 
 #include "baker/bvh_build.h"
 #include "baker/cut.h"
@@ -114,8 +114,7 @@ Status encode_node(const ProxyNode& source, std::span<const Material> materials,
   return writer.write(name, zone.glb);
 }
 
-Status build_node_bvh(const ZoneMesh& mesh, std::uint32_t material_count, const WorldWriter& writer,
-                      NodeRecord& node) {
+Status build_node_bvh(const ZoneMesh& mesh, std::uint32_t material_count, const WorldWriter& writer, NodeRecord& node) {
   ZC_ASSIGN(const BvhFile bvh, build_bvh(mesh.vertices, mesh.triangles));
   node.bvh_node_count = static_cast<std::uint32_t>(bvh.nodes.size());
   node.bvh_depth = bvh.depth;
@@ -240,7 +239,8 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
 Result<BakeReport> bake_world(Scene&& scene, double import_s, const BakeOptions& options,
                               const std::filesystem::path& out) {
   if (options.leaf_triangles < 16)
-    return Error{ErrorCode::kArgument, "zones need at least 16 triangles, got " + std::to_string(options.leaf_triangles)};
+    return Error{ErrorCode::kArgument,
+                 "zones need at least 16 triangles, got " + std::to_string(options.leaf_triangles)};
   if (!(options.error_m > 0 && options.error_m <= 1000))
     return Error{ErrorCode::kArgument, "the error bound must be above 0 and at most 1000 m"};
   ZC_ASSIGN(WorldWriter writer, WorldWriter::open(out));

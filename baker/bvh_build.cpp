@@ -81,10 +81,17 @@ class Builder {
   }
 
   static gpu::BvhNode make_node(const Box& b0, std::uint32_t ref0, const Box& b1, std::uint32_t ref1) {
-    const auto pack = [](std::uint16_t low, std::uint16_t high) { return std::uint32_t{low} | std::uint32_t{high} << 16U; };
-    return {pack(b0.min[0], b0.min[1]), pack(b0.min[2], b0.max[0]), pack(b0.max[1], b0.max[2]),
-            pack(b1.min[0], b1.min[1]), pack(b1.min[2], b1.max[0]), pack(b1.max[1], b1.max[2]),
-            ref0,                       ref1};
+    const auto pack = [](std::uint16_t low, std::uint16_t high) {
+      return std::uint32_t{low} | std::uint32_t{high} << 16U;
+    };
+    return {pack(b0.min[0], b0.min[1]),
+            pack(b0.min[2], b0.max[0]),
+            pack(b0.max[1], b0.max[2]),
+            pack(b1.min[0], b1.min[1]),
+            pack(b1.min[2], b1.max[0]),
+            pack(b1.max[1], b1.max[2]),
+            ref0,
+            ref1};
   }
 
   Box bounds(std::size_t begin, std::size_t end) const {
@@ -106,8 +113,7 @@ class Builder {
   Split find_split(std::size_t begin, std::size_t end, const Box& box, std::uint32_t depth) {
     const std::size_t count = end - begin;
     if (count < 2) return {};
-    const std::int64_t leaf_cost =
-        count <= kLeafTriangles ? static_cast<std::int64_t>(count) * box.area() : INT64_MAX;
+    const std::int64_t leaf_cost = count <= kLeafTriangles ? static_cast<std::int64_t>(count) * box.area() : INT64_MAX;
     std::array<std::uint32_t, 3> low = {UINT32_MAX, UINT32_MAX, UINT32_MAX};
     std::array<std::uint32_t, 3> high = {0, 0, 0};
     for (std::size_t i = begin; i < end; ++i) {
@@ -119,8 +125,7 @@ class Builder {
     std::size_t widest = 0;
     for (std::size_t axis = 1; axis < 3; ++axis)
       if (high[axis] - low[axis] > high[widest] - low[widest]) widest = axis;
-    if (high[widest] == low[widest])
-      return count <= kLeafTriangles ? Split{} : split_at_median(begin, end, widest);
+    if (high[widest] == low[widest]) return count <= kLeafTriangles ? Split{} : split_at_median(begin, end, widest);
 
     std::array<std::uint64_t, 3> scale = {};
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -200,7 +205,8 @@ Result<BvhFile> build_bvh(std::span<const std::array<std::uint16_t, 3>> vertices
                           std::span<const std::array<std::uint32_t, 3>> triangles) {
   if (triangles.empty()) return Error{ErrorCode::kFormat, "a zone without triangles has no BVH"};
   if (triangles.size() > gpu::kRefFirstMask)
-    return Error{ErrorCode::kUnsupported, "a zone has " + std::to_string(triangles.size()) + " triangles, more than 2^24"};
+    return Error{ErrorCode::kUnsupported,
+                 "a zone has " + std::to_string(triangles.size()) + " triangles, more than 2^24"};
   std::vector<Item> items(triangles.size());
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
     items[i].triangle = i;

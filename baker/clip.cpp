@@ -108,9 +108,10 @@ void apply_splits(std::vector<LooseFace>& faces, const std::vector<EdgeSplit>& s
   if (splits.empty()) return;
   const auto find = [&](LatticePoint a, LatticePoint b) -> const EdgeSplit* {
     if (b < a) std::swap(a, b);
-    const auto at = std::lower_bound(splits.begin(), splits.end(), std::pair{a, b}, [](const EdgeSplit& s, const auto& k) {
-      return std::pair{s.a, s.b} < k;
-    });
+    const auto at =
+        std::lower_bound(splits.begin(), splits.end(), std::pair{a, b}, [](const EdgeSplit& s, const auto& k) {
+          return std::pair{s.a, s.b} < k;
+        });
     return at != splits.end() && at->a == a && at->b == b ? &*at : nullptr;
   };
   // Faces grow at the end while they are halved: each half is looked at again.

@@ -23,7 +23,7 @@ struct Component {
 };
 
 struct Components {
-  std::vector<Component> list;        // in order of their first face
+  std::vector<Component> list;  // in order of their first face
   std::vector<std::uint32_t> of_face;
 };
 

@@ -123,9 +123,10 @@ Subtree make_root(SnappedScene& scene, std::uint32_t leaf_triangles) {
       whole = !is_wide && !is_dense;
     }
     if (whole) {
-      root.whole.push_back({object.first_triangle,
-                            object.triangle_count,
-                            {(std::int64_t{box.min[0]} + box.max[0]) / 2, (std::int64_t{box.min[1]} + box.max[1]) / 2}});
+      root.whole.push_back(
+          {object.first_triangle,
+           object.triangle_count,
+           {(std::int64_t{box.min[0]} + box.max[0]) / 2, (std::int64_t{box.min[1]} + box.max[1]) / 2}});
       continue;
     }
     for (std::uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i) {
@@ -176,7 +177,8 @@ CellGrid make_cell_grid(const LatticeMesh& mesh, std::int32_t step_log2) {
   CellGrid grid;
   grid.min_cell_log2 = static_cast<std::uint32_t>(std::countr_zero(static_cast<std::uint64_t>(kMinCellM))) +
                        static_cast<std::uint32_t>(-step_log2);
-  grid.root_log2 = std::max(grid.min_cell_log2, static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint64_t>(extent - 1))));
+  grid.root_log2 =
+      std::max(grid.min_cell_log2, static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint64_t>(extent - 1))));
   grid.overhang = (2 * kWholeObjectMaxM) << -step_log2;
   grid.height = std::int64_t{box.max[2]} - std::min(box.min[2], 0);
   // Border planes are multiples of every step that is used on them.

@@ -177,7 +177,8 @@ LatticeMesh decimate(const LatticeMesh& mesh, const std::vector<bool>& locked, c
     if (half_edges.status(face).deleted()) continue;
     LatticeFace kept;
     std::size_t k = 0;
-    for (Mesh::FaceVertexIter v(half_edges, face); v.is_valid(); ++v) kept.v[k++] = static_cast<std::uint32_t>(v->idx());
+    for (Mesh::FaceVertexIter v(half_edges, face); v.is_valid(); ++v)
+      kept.v[k++] = static_cast<std::uint32_t>(v->idx());
     const std::uint32_t value = half_edges.property(tag, face);
     kept.material = static_cast<std::uint16_t>(value & 0xFFFFU);
     kept.ground = (value >> 16U) != 0;

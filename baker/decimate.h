@@ -13,9 +13,9 @@
 namespace zc {
 
 struct DecimateOptions {
-  double tolerance = 0;              // how far removed vertices and open borders may lie from the result
-  std::size_t target_faces = 0;      // stop here; 0: collapse all that the tolerance allows
-  double normal_turn_deg = 45;       // largest turn of a face by one collapse
+  double tolerance = 0;               // how far removed vertices and open borders may lie from the result
+  std::size_t target_faces = 0;       // stop here; 0: collapse all that the tolerance allows
+  double normal_turn_deg = 45;        // largest turn of a face by one collapse
   bool keep_material_borders = true;  // to within a quarter of the tolerance
 };
 

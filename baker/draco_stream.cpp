@@ -26,7 +26,8 @@ Triangle canonical(Triangle t) {
 std::vector<Triangle> canonical_triangles(const QuantizedTriangles& mesh) {
   std::vector<Triangle> out;
   out.reserve(mesh.triangles.size());
-  for (const auto& t : mesh.triangles) out.push_back(canonical({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}));
+  for (const auto& t : mesh.triangles)
+    out.push_back(canonical({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}));
   std::sort(out.begin(), out.end());
   return out;
 }
@@ -46,8 +47,7 @@ void to_draco(const QuantizedTriangles& mesh, draco::Mesh& out) {
 }
 
 // Empty when the stream cannot be written or does not give `expected` back.
-std::optional<DracoStream> try_encode(const draco::Mesh& mesh, int method,
-                                      const std::vector<Triangle>& expected) {
+std::optional<DracoStream> try_encode(const draco::Mesh& mesh, int method, const std::vector<Triangle>& expected) {
   draco::ExpertEncoder encoder(mesh);
   encoder.SetSpeedOptions(kSpeed, kSpeed);
   encoder.SetEncodingMethod(method);

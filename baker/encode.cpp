@@ -113,13 +113,12 @@ Result<EncodedZone> encode_zone_glb(const LatticeMesh& mesh, std::uint32_t step_
     const QuantizedTriangles part = quantize(mesh, material, out.origin, step_shift);
     ZC_ASSIGN(const DracoStream stream, encode_draco(part));
     while (bin.size() % 4 != 0) bin.push_back(std::byte{0});
-    primitives.push_back(
-        {{"attributes", {{"POSITION", accessors.size() + 1}}},
-         {"indices", accessors.size()},
-         {"material", material_list.size()},
-         {"extensions",
-          {{"KHR_draco_mesh_compression",
-            {{"bufferView", views.size()}, {"attributes", {{"POSITION", stream.attribute_id}}}}}}}});
+    primitives.push_back({{"attributes", {{"POSITION", accessors.size() + 1}}},
+                          {"indices", accessors.size()},
+                          {"material", material_list.size()},
+                          {"extensions",
+                           {{"KHR_draco_mesh_compression",
+                             {{"bufferView", views.size()}, {"attributes", {{"POSITION", stream.attribute_id}}}}}}}});
     accessors.push_back({{"componentType", stream.vertex_count <= 65535 ? kUnsignedShort : kUnsignedInt},
                          {"count", 3 * part.triangles.size()},
                          {"type", "SCALAR"}});

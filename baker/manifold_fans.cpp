@@ -8,7 +8,7 @@ namespace zc {
 namespace {
 
 struct HalfEdge {
-  std::uint64_t edge;  // smaller vertex << 32 | larger
+  std::uint64_t edge;    // smaller vertex << 32 | larger
   std::uint32_t corner;  // where it starts: 3 * face + i
   bool forward;          // from the smaller vertex
 };

@@ -12,7 +12,7 @@
 namespace zc {
 
 struct ManifoldFans {
-  std::vector<std::uint32_t> source_vertex;              // per fan: the vertex of the input
+  std::vector<std::uint32_t> source_vertex;             // per fan: the vertex of the input
   std::vector<std::array<std::uint32_t, 3>> face_fans;  // per face: its corners' fans
 };
 

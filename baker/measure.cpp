@@ -34,7 +34,9 @@ double area_of(const LatticeMesh& mesh) {
   return area;
 }
 
-std::size_t sample_count(std::size_t faces) { return std::clamp(kSamplesPerTriangle * faces, kSamplesMin, kSamplesMax); }
+std::size_t sample_count(std::size_t faces) {
+  return std::clamp(kSamplesPerTriangle * faces, kSamplesMin, kSamplesMax);
+}
 
 // Stratified over the running area; within a triangle the R2 sequence (Roberts 2018) keeps samples apart.
 void add_area_samples(const LatticeMesh& mesh, double area, std::size_t count, std::vector<Sample>& out) {

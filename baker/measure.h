@@ -14,9 +14,10 @@ namespace zc {
 
 struct SurfaceError {
   double max_m = 0;
-  double mean_m = 0;               // over area samples of both surfaces
-  double normal_deviation_deg = 0;  // largest, 0..90, of unsigned normals between an area sample and the closest surface
-  double color_error = 0;          // mean absolute linear RGB difference, 0..1
+  double mean_m = 0;  // over area samples of both surfaces
+  double normal_deviation_deg =
+      0;                   // largest, 0..90, of unsigned normals between an area sample and the closest surface
+  double color_error = 0;  // mean absolute linear RGB difference, 0..1
 };
 
 struct DetailSurface {

@@ -16,7 +16,7 @@ constexpr int kLeafAttempts = 4;
 constexpr double kLeafNormalTurnDeg = 45;
 constexpr double kInnerNormalTurnDeg = 75;
 constexpr double kDecimationStuck = 0.8;  // of what it was given
-constexpr double kInnerTarget = 0.35;   // of the children's triangles
+constexpr double kInnerTarget = 0.35;     // of the children's triangles
 constexpr double kInnerTargetSmall = 0.65;
 constexpr double kStoredAtMost = 0.70;  // of the children's triangles
 constexpr double kFirstToleranceM = 0.25;
@@ -34,7 +34,7 @@ std::uint32_t cluster_cell(double tolerance) {
 
 // Doubles the tolerance until the mesh is small enough, or the tolerance senseless for the cell. Returns the last.
 double coarsen(const SimplifyContext& context, const Zone& zone, double tolerance, std::size_t target,
-             LatticeMesh& mesh) {
+               LatticeMesh& mesh) {
   const double limit = bounds_of(mesh).diagonal() / 8;
   for (; mesh.faces.size() > target; tolerance *= 2) {
     drop_small_components(mesh, tolerance, target);
@@ -44,7 +44,8 @@ double coarsen(const SimplifyContext& context, const Zone& zone, double toleranc
                     {tolerance, target, kInnerNormalTurnDeg, /*keep_material_borders=*/false});
     if (mesh.faces.size() > target && static_cast<double>(mesh.faces.size()) > kDecimationStuck * before) {
       // Soup of many loose patches has no edges to collapse.
-      LatticeMesh clustered = cluster_vertices(mesh, locked_vertices(*context.grid, zone, mesh), cluster_cell(tolerance));
+      LatticeMesh clustered =
+          cluster_vertices(mesh, locked_vertices(*context.grid, zone, mesh), cluster_cell(tolerance));
       // Far below the target is worse than somewhat above it.
       if (clustered.faces.size() >= target / 2 && !clustered.faces.empty()) mesh = std::move(clustered);
     }
@@ -137,7 +138,8 @@ std::optional<Proxy> simplify_inner(const SimplifyContext& context, const Zone& 
     out.mesh = largest->mesh;
     force_below(context.leaf_triangles, out.mesh);
   }
-  if (!is_root && static_cast<double>(out.mesh.faces.size()) > kStoredAtMost * static_cast<double>(sum)) return std::nullopt;
+  if (!is_root && static_cast<double>(out.mesh.faces.size()) > kStoredAtMost * static_cast<double>(sum))
+    return std::nullopt;
   out.step_shift = step_shift_for_box(bounds_of(out.mesh));
   round_to_step(out.mesh, out.step_shift);
   if (out.mesh.faces.empty()) return std::nullopt;

@@ -77,7 +77,8 @@ Status check_references(const Scene& scene) {
       return Error{ErrorCode::kFormat, "object '" + object.id + "' does not follow its predecessor's triangles"};
     next += object.triangle_count;
   }
-  if (next != scene.triangles.size()) return Error{ErrorCode::kFormat, "the scene's objects do not cover its triangles"};
+  if (next != scene.triangles.size())
+    return Error{ErrorCode::kFormat, "the scene's objects do not cover its triangles"};
   return {};
 }
 
@@ -136,8 +137,7 @@ Result<SnappedScene> snap_scene(Scene&& scene, std::int32_t step_log2) {
     if (!used[i]) continue;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double p = scene.positions[i][static_cast<int>(axis)];
-      out.mesh.vertices[i][axis] =
-          static_cast<std::int32_t>(std::llround(p * steps_per_m) - out.anchor[axis]);
+      out.mesh.vertices[i][axis] = static_cast<std::int32_t>(std::llround(p * steps_per_m) - out.anchor[axis]);
     }
   }
   weld(out.mesh);
@@ -169,7 +169,8 @@ Result<SnappedScene> snap_scene(Scene&& scene, std::int32_t step_log2) {
   note(out.notes, "repeated triangles", dropped.repeated);
   note(out.notes, "triangles back to back in one object", dropped.back_to_back);
   note(out.notes, "objects left without triangles", emptied);
-  if (out.mesh.faces.empty()) return Error{ErrorCode::kFormat, "no triangle of the scene has an area at the lattice step"};
+  if (out.mesh.faces.empty())
+    return Error{ErrorCode::kFormat, "no triangle of the scene has an area at the lattice step"};
   return out;
 }
 

@@ -46,8 +46,7 @@ Result<WorldWriter> WorldWriter::open(const fs::path& out) {
   if (!target.has_filename()) return Error{ErrorCode::kArgument, "is not a place for a world", out.string()};
   const fs::file_status status = fs::symlink_status(target, code);
   if (fs::exists(status)) {
-    if (!fs::is_directory(status))
-      return Error{ErrorCode::kArgument, "exists and is not a directory", out.string()};
+    if (!fs::is_directory(status)) return Error{ErrorCode::kArgument, "exists and is not a directory", out.string()};
     const bool is_empty = fs::is_empty(target, code);
     if (code) return io_error(out, "cannot read", code);
     if (!is_empty && !fs::is_regular_file(target / kWorldIndexName, code))

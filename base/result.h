@@ -38,7 +38,7 @@ struct Error {
 template <class T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}  // NOLINT(google-explicit-constructor)
+  Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}      // NOLINT(google-explicit-constructor)
   Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
   [[nodiscard]] bool ok() const { return state_.index() == 0; }
@@ -80,14 +80,13 @@ using Status = Result<void>;
 // Evaluate `expr` (a Result or Status); on failure return its error from the enclosing function.
 #define ZC_CONCAT_INNER(a, b) a##b
 #define ZC_CONCAT(a, b) ZC_CONCAT_INNER(a, b)
-#define ZC_TRY(expr)                                            \
-  do {                                                          \
-    if (auto zc_status = (expr); !zc_status.ok())               \
-      return std::move(zc_status).error();                      \
+#define ZC_TRY(expr)                                                                   \
+  do {                                                                                 \
+    if (auto zc_status = (expr); !zc_status.ok()) return std::move(zc_status).error(); \
   } while (false)
-#define ZC_ASSIGN_INNER(tmp, target, expr)          \
-  auto tmp = (expr);                                \
-  if (!tmp.ok()) return std::move(tmp).error();     \
+#define ZC_ASSIGN_INNER(tmp, target, expr)      \
+  auto tmp = (expr);                            \
+  if (!tmp.ok()) return std::move(tmp).error(); \
   target = std::move(tmp).value()
 // ZC_ASSIGN(auto x, f()): x = f()'s value, or return f()'s error.
 #define ZC_ASSIGN(target, expr) ZC_ASSIGN_INNER(ZC_CONCAT(zc_result_, __LINE__), target, expr)

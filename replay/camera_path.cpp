@@ -42,8 +42,7 @@ Result<CameraSample> parse_line(std::string_view line) {
       return Error{ErrorCode::kFormat, "expected 8 values parted by commas"};
     at = rest + 1;
   }
-  return CameraSample{
-      values[0], {values[1], values[2], values[3]}, {values[4], values[5], values[6]}, values[7]};
+  return CameraSample{values[0], {values[1], values[2], values[3]}, {values[4], values[5], values[6]}, values[7]};
 }
 
 Result<CameraPath> read_csv(std::string_view text, const std::string& file) {

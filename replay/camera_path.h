@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recorded camera path: CSV (`time_s,eye_x,eye_y,eye_z,target_x,target_y,target_z,fov_y_deg`) or a file of named still
-// views (`{"shots": [{"name", "eye", "target", "fov_y_deg"}]}`), one second apart.
-// Units: world CRS, metres, z up; seconds; degrees. Untrusted input. Thread-safe: plain values.
-// Fails, naming the line, on anything that is not a finite camera in ascending time.
+// A recorded camera path: CSV (`time_s,eye_x,eye_y,eye_z,target_x,target_y,target_z,fov_y_deg`) or a file of named
+// still views (`{"shots": [{"name", "eye", "target", "fov_y_deg"}]}`), one second apart. Units: world CRS, metres, z
+// up; seconds; degrees. Untrusted input. Thread-safe: plain values. Fails, naming the line, on anything that is not a
+// finite camera in ascending time.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <spdlog/spdlog.h>
+
 #include <chrono>
 #include <iomanip>
 #include <iostream>
@@ -32,7 +34,7 @@ Status run(const Arguments& arguments) {
 
   std::size_t zones = 0;
   for (const NodeRecord& node : report.index.nodes) zones += node.is_detail() ? 1 : 0;
-  for (const ImportCount& note : report.notes) std::cout << "note: " << note.what << ": " << note.count << '\n';
+  for (const ImportCount& note : report.notes) spdlog::info("{}: {}", note.what, note.count);
   std::cout << arguments.out << ": " << report.index.header.source_triangles << " triangles in " << zones << " zones, "
             << report.index.nodes.size() << " nodes, " << std::fixed << std::setprecision(1) << report.seconds.total
             << " s, peak memory " << format_bytes(report.peak_rss_bytes) << '\n';

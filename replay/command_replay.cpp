@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <spdlog/spdlog.h>
+
 #include <iomanip>
 #include <iostream>
 #include <map>
@@ -103,7 +105,7 @@ Status run(const Arguments& arguments) {
   ZC_ASSIGN(ReplayOptions options, to_options(arguments));
   Progress progress;
   options.progress = [&](double fraction, std::string_view stage) { progress.update(fraction, stage); };
-  options.on_failure = [](const Error& error) { std::cerr << "warning: " << error.describe() << '\n'; };
+  options.on_failure = [](const Error& error) { spdlog::warn("{}", error.describe()); };
   ZC_ASSIGN(const ReplayReport report, run_replay(options));
   if (!options.out.empty()) {
     const std::string text = statistics_json(report).dump(2) + "\n";
@@ -128,17 +130,18 @@ void add_replay(CLI::App& app, const SetCommand& set) {
   command
       ->add_option("--reflections", a->reflections,
                    "ssr+proxy: screen first, then proxies; proxy: proxies only; full: full detail; none: sky only")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, ReflectionMode>{{"ssr+proxy", ReflectionMode::kScreenAndProxy},
-                                                                    {"proxy", ReflectionMode::kProxy},
-                                                                    {"full", ReflectionMode::kFull},
-                                                                    {"none", ReflectionMode::kNone}}))
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, ReflectionMode>{{"ssr+proxy", ReflectionMode::kScreenAndProxy},
+                                                                        {"proxy", ReflectionMode::kProxy},
+                                                                        {"full", ReflectionMode::kFull},
+                                                                        {"none", ReflectionMode::kNone}}))
       ->default_str("ssr+proxy");
   command->add_option("--debug-views", a->debug_views, "Also write, per frame: provenance, bvh, normals, depth")
       ->delimiter(',')
       ->transform(CLI::CheckedTransformer(std::map<std::string, DebugView>{{"provenance", DebugView::kProvenance},
-                                                               {"bvh", DebugView::kBvh},
-                                                               {"normals", DebugView::kNormals},
-                                                               {"depth", DebugView::kDepth}}));
+                                                                           {"bvh", DebugView::kBvh},
+                                                                           {"normals", DebugView::kNormals},
+                                                                           {"depth", DebugView::kDepth}}));
   command->add_flag("--contact-sheet", a->contact_sheet, "Also write contact_sheet.png: twelve frames on one picture");
   command->add_option("--sun", a->sun, "Sun: azimuth (degrees clockwise from north), elevation")->capture_default_str();
   command->add_option("--clock", a->clock, "virtual: same path, same log; wall: measures this machine")
@@ -147,7 +150,8 @@ void add_replay(CLI::App& app, const SetCommand& set) {
       ->default_str("virtual");
   command->add_option("--source-latency", a->latency, "Modelled source: latency of a request (virtual clock)")
       ->capture_default_str();
-  command->add_option("--source-bandwidth", a->bandwidth, "Modelled source: bandwidth, e.g. 20MB/s (default: unlimited)");
+  command->add_option("--source-bandwidth", a->bandwidth,
+                      "Modelled source: bandwidth, e.g. 20MB/s (default: unlimited)");
   command->add_option("--threads", a->threads, "Streaming threads (0: all cores)")
       ->capture_default_str()
       ->check(CLI::Range(0U, 256U));
@@ -157,7 +161,8 @@ void add_replay(CLI::App& app, const SetCommand& set) {
   command->add_option("--look-ahead", a->look_ahead_s, "Seconds of the path that paging looks ahead")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 60.0));
-  command->add_option("--host-budget", a->host_budget, "Memory of the stand-in host's full-detail zones, outside the cap")
+  command
+      ->add_option("--host-budget", a->host_budget, "Memory of the stand-in host's full-detail zones, outside the cap")
       ->capture_default_str();
   command->add_option("--device", a->device, "Part of the Vulkan device's name");
   command->add_flag("--validate", a->validate, "Vulkan validation layers with synchronisation validation");

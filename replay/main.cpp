@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parses, calls, reports. Exit codes: 0 success, 1 failure, 2 bad arguments.
 #include <malloc.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
 
 #include <exception>
 #include <iostream>
@@ -18,8 +20,9 @@ std::string one_line(std::string text) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"zonecast bakes a city into zones, pages them along a camera path under a hard memory cap, and traces "
-               "reflections against the resident zones in Vulkan compute shaders."};
+  CLI::App app{
+      "zonecast bakes a city into zones, pages them along a camera path under a hard memory cap, and traces "
+      "reflections against the resident zones in Vulkan compute shaders."};
   app.name("zonecast");
   app.set_version_flag("--version", "zonecast " ZONECAST_VERSION);
   app.require_subcommand(1);
@@ -48,6 +51,8 @@ int main(int argc, char** argv) {
   // Decode scratch goes back to the system when it is freed, so that the process holds what the ledger says.
   mallopt(M_MMAP_THRESHOLD, 1 << 16);
   mallopt(M_TRIM_THRESHOLD, 1 << 16);
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("zonecast"));
+  spdlog::set_pattern("%n: %l: %v");
   try {
     return run(argc, argv);
   } catch (const std::bad_alloc&) {

@@ -83,8 +83,8 @@ Picture make_contact_sheet(const std::vector<Picture>& pictures, std::uint32_t c
     const auto row = static_cast<std::uint32_t>(i) / columns;
     for (std::uint32_t y = 0; y < tiles[i].height; ++y) {
       const auto from = tiles[i].rgba.begin() + static_cast<std::ptrdiff_t>(std::size_t{4} * y * tiles[i].width);
-      const auto to = sheet.rgba.begin() + static_cast<std::ptrdiff_t>((std::size_t{row * h + gap + y} * sheet.width +
-                                                                        column * w + gap) * 4);
+      const auto to = sheet.rgba.begin() + static_cast<std::ptrdiff_t>(
+                                               (std::size_t{row * h + gap + y} * sheet.width + column * w + gap) * 4);
       std::copy_n(from, static_cast<std::ptrdiff_t>(tiles[i].width) * 4, to);
     }
   }

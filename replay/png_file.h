@@ -18,7 +18,8 @@ struct Picture {
 
 Status write_png(const std::filesystem::path& file, const Picture& picture);
 
-// All pictures on one sheet, `columns` a row, each scaled down by a box filter to tile_width. All pictures have one size.
+// All pictures on one sheet, `columns` a row, each scaled down by a box filter to tile_width. All pictures have one
+// size.
 Picture make_contact_sheet(const std::vector<Picture>& pictures, std::uint32_t columns, std::uint32_t tile_width);
 // The tile alone.
 Picture scale_down(const Picture& picture, std::uint32_t width);

@@ -26,26 +26,40 @@ constexpr double kHostTolerance = 0.0004;
 
 const char* debug_name(DebugView view) {
   switch (view) {
-    case DebugView::kProvenance: return "provenance";
-    case DebugView::kBvh: return "bvh";
-    case DebugView::kNormals: return "normals";
-    case DebugView::kDepth: return "depth";
+    case DebugView::kProvenance:
+      return "provenance";
+    case DebugView::kBvh:
+      return "bvh";
+    case DebugView::kNormals:
+      return "normals";
+    case DebugView::kDepth:
+      return "depth";
   }
   return "";
 }
 
+// The eye in lattice units, relative to the world's anchor. Fails where the renderer's 32-bit lattice does not reach.
+Result<glm::dvec3> lattice_eye(const WorldIndex& index, const CameraSample& sample) {
+  glm::dvec3 lattice;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    lattice[axis] = sample.eye[axis] / index.step_m() - static_cast<double>(index.header.anchor[i]);
+    if (!(std::abs(lattice[axis]) < 2e9))
+      return Error{ErrorCode::kUnsupported, "the camera at " + std::to_string(sample.time_s) +
+                                                " s lies too far from the world: do path and world share a CRS?"};
+  }
+  return lattice;
+}
+
 // The camera relative to the lattice point next to its eye, so that floats near it are exact.
 Result<RenderCamera> make_camera(const WorldIndex& index, const CameraSample& sample) {
+  ZC_ASSIGN(const glm::dvec3 lattice, lattice_eye(index, sample));
   RenderCamera camera;
   camera.step_m = index.step_m();
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<std::size_t>(axis);
-    const double lattice = sample.eye[axis] / camera.step_m - static_cast<double>(index.header.anchor[i]);
-    if (!(std::abs(lattice) < 2e9))
-      return Error{ErrorCode::kArgument, "the camera at " + std::to_string(sample.time_s) +
-                                             " s lies too far from the world: do path and world share a CRS?"};
-    camera.lattice[i] = static_cast<std::int32_t>(std::llround(lattice));
-    camera.eye[axis] = static_cast<float>((lattice - camera.lattice[i]) * camera.step_m);
+    camera.lattice[i] = static_cast<std::int32_t>(std::llround(lattice[axis]));
+    camera.eye[axis] = static_cast<float>((lattice[axis] - camera.lattice[i]) * camera.step_m);
   }
   const glm::dvec3 forward = glm::normalize(sample.target - sample.eye);
   const glm::dvec3 up = std::abs(forward.z) > 0.9999 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
@@ -96,6 +110,7 @@ class Session {
     reset_peak_resident_set();
     report_.baseline_rss_bytes = resident_set_bytes();
     ZC_TRY(open_world());
+    ZC_TRY(check_path());
     if (!options_.out.empty()) ZC_TRY(open_files());
     ZC_TRY(replay_frames());
     return finish();
@@ -143,9 +158,8 @@ class Session {
     std::vector<gpu::MaterialEntry> materials;
     for (const MaterialRecord& m : index.materials)
       materials.push_back({m.base_color[0], m.base_color[1], m.base_color[2], m.roughness, m.metallic, m.flags, 0, 0});
-    mirrors_ = std::ranges::any_of(index.materials, [&](const MaterialRecord& m) {
-      return m.roughness < options_.renderer.roughness_cut;
-    });
+    mirrors_ = std::ranges::any_of(
+        index.materials, [&](const MaterialRecord& m) { return m.roughness < options_.renderer.roughness_cut; });
     RendererOptions renderer = options_.renderer;
     renderer.page_depth = deepest_page(index);
     renderer.max_zones = max_zones;
@@ -155,24 +169,39 @@ class Session {
     return {};
   }
 
+  // Before anything is written: a path must not turn out to be useless after an hour.
+  Status check_path() const {
+    const std::uint64_t end = last_frame();
+    if (options_.frames.begin >= end)
+      return Error{ErrorCode::kArgument, "the path has " + std::to_string(options_.path.size()) +
+                                             " samples, none of them in the frames asked for"};
+    for (std::uint64_t frame = options_.frames.begin; frame < end; ++frame) {
+      if (const auto eye = lattice_eye(streamer_->index(), options_.path[frame]); !eye) return eye.error();
+    }
+    return {};
+  }
+
+  [[nodiscard]] std::uint64_t last_frame() const {  // exclusive
+    return std::min<std::uint64_t>(options_.frames.end, options_.path.size());
+  }
+
   Status open_files() {
     std::error_code failure;
     std::filesystem::create_directories(options_.out / (options_.render ? "frames" : ""), failure);
-    if (failure)
-      return Error{ErrorCode::kIo, "cannot create the folder: " + failure.message(), options_.out.string()};
+    if (failure) return Error{ErrorCode::kIo, "cannot create the folder: " + failure.message(), options_.out.string()};
     for (const DebugView view : options_.debug_views) {
-      if (options_.render) std::filesystem::create_directories(options_.out / debug_name(view), failure);
+      if (!options_.render) break;
+      std::filesystem::create_directories(options_.out / debug_name(view), failure);
+      if (failure)
+        return Error{ErrorCode::kIo, "cannot create the folder: " + failure.message(),
+                     (options_.out / debug_name(view)).string()};
     }
     ZC_ASSIGN(log_, FrameLog::create(options_.out / "frames.csv", options_.render));
     return {};
   }
 
   Status replay_frames() {
-    const std::uint64_t end = std::min<std::uint64_t>(options_.frames.end, options_.path.size());
-    if (options_.frames.begin >= end)
-      return Error{ErrorCode::kArgument, "the path has " + std::to_string(options_.path.size()) +
-                                             " samples, none of them in the frames asked for"};
-    const std::uint64_t count = (end - options_.frames.begin + options_.frames.step - 1) / options_.frames.step;
+    const std::uint64_t count = (last_frame() - options_.frames.begin + options_.frames.step - 1) / options_.frames.step;
     const auto started = std::chrono::steady_clock::now();
     const double first_s = options_.path[options_.frames.begin].time_s;
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -211,9 +240,9 @@ class Session {
     ZC_TRY(drawing_.host_table->update(view));
     ZC_TRY(drawing_.proxy_table->update(view));
     const double aspect = static_cast<double>(options_.renderer.width) / options_.renderer.height;
-    ZC_ASSIGN(const FrameResult result, drawing_.renderer->render(
-                                            camera, drawing_.host_table->draws(camera, aspect,
-                                                                               !options_.leave_nothing_out)));
+    ZC_ASSIGN(
+        const FrameResult result,
+        drawing_.renderer->render(camera, drawing_.host_table->draws(camera, aspect, !options_.leave_nothing_out)));
     const gpu::Counters& c = result.counters;
     report_.rays.screen += c.rays_screen;
     report_.rays.proxy += c.rays_proxy;

@@ -58,7 +58,7 @@ struct ReplayReport {
 
 Result<ReplayReport> run_replay(const ReplayOptions& options);
 
-inline constexpr std::array<const char*, kPassCount> kPassNames = {"gbuffer", "hiz",   "classify", "ssr",      "compact",
-                                                                   "trace",   "shade", "filter",   "composite"};
+inline constexpr std::array<const char*, kPassCount> kPassNames = {
+    "gbuffer", "hiz", "classify", "ssr", "compact", "trace", "shade", "filter", "composite"};
 
 }  // namespace zc

@@ -29,12 +29,9 @@ nlohmann::ordered_json statistics_json(const ReplayReport& report) {
                          {"failed", s.requests.failed},
                          {"retried", s.requests.retried}};
   summary["bytes_read"] = s.bytes_read;
-  summary["rays"] = {{"total", report.rays.total},
-                     {"screen", report.rays.screen},
-                     {"proxy", report.rays.proxy},
-                     {"proxy_coarse", report.rays.proxy_coarse},
-                     {"sky", report.rays.sky},
-                     {"lost", report.rays.lost}};
+  summary["rays"] = {{"total", report.rays.total}, {"screen", report.rays.screen},
+                     {"proxy", report.rays.proxy}, {"proxy_coarse", report.rays.proxy_coarse},
+                     {"sky", report.rays.sky},     {"lost", report.rays.lost}};
   nlohmann::ordered_json pass_ms;
   for (std::size_t i = 0; i < kPassCount; ++i) pass_ms[kPassNames[i]] = report.pass_ms[i];
   pass_ms["total"] = report.total_ms;

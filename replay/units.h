@@ -10,10 +10,10 @@
 
 namespace zc {
 
-Result<std::uint64_t> parse_bytes(const std::string& text);          // "64MiB", "2 GB", "4096"
-Result<double> parse_seconds(const std::string& text);               // "50ms", "1.5s"
-Result<double> parse_bytes_per_second(const std::string& text);      // "20MB/s"
-std::string format_bytes(std::uint64_t bytes);                       // "12.3 MiB"
+Result<std::uint64_t> parse_bytes(const std::string& text);      // "64MiB", "2 GB", "4096"
+Result<double> parse_seconds(const std::string& text);           // "50ms", "1.5s"
+Result<double> parse_bytes_per_second(const std::string& text);  // "20MB/s"
+std::string format_bytes(std::uint64_t bytes);                   // "12.3 MiB"
 
 struct FrameRange {
   std::uint64_t begin = 0;

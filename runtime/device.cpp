@@ -29,10 +29,14 @@ bool has_layer(const char* name) {
 // Lower is better.
 int rank(VkPhysicalDeviceType type) {
   switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 0;
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 1;
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return 2;
-    default: return 3;
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return 0;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return 1;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return 2;
+    default:
+      return 3;
   }
 }
 
@@ -150,10 +154,8 @@ Status Device::create_device() {
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, families.data());
   constexpr VkQueueFlags needed = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-  const auto family =
-      std::ranges::find_if(families, [](const auto& f) { return (f.queueFlags & needed) == needed; });
-  if (family == families.end())
-    return Error{ErrorCode::kDevice, name_ + " has no queue for both graphics and compute"};
+  const auto family = std::ranges::find_if(families, [](const auto& f) { return (f.queueFlags & needed) == needed; });
+  if (family == families.end()) return Error{ErrorCode::kDevice, name_ + " has no queue for both graphics and compute"};
   queue_family_ = static_cast<std::uint32_t>(family - families.begin());
 
   const float priority = 1.0F;

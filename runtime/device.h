@@ -15,7 +15,7 @@
 namespace zc {
 
 struct DeviceOptions {
-  std::string name;         // part of the device's name, any case; empty: a discrete GPU if there is one, else the first
+  std::string name;  // part of the device's name, any case; empty: a discrete GPU if there is one, else the first
   bool validation = false;  // Khronos validation with synchronisation validation
 };
 

@@ -30,18 +30,18 @@ struct RendererOptions {
   std::uint32_t width = 1280;
   std::uint32_t height = 720;
   ReflectionMode reflections = ReflectionMode::kScreenAndProxy;
-  float sun_azimuth_deg = 145;   // clockwise from north (+y)
+  float sun_azimuth_deg = 145;  // clockwise from north (+y)
   float sun_elevation_deg = 38;
-  float roughness_cut = 0.35F;   // rougher surfaces do not mirror
+  float roughness_cut = 0.35F;  // rougher surfaces do not mirror
   std::uint32_t screen_steps = 256;
   std::uint32_t page_depth = gpu::kPageMaxDepth;  // deepest page that will be traced
   std::uint32_t max_zones = 1;                    // most zones ever resident in one set
 };
 
 struct RenderCamera {
-  std::array<std::int32_t, 3> lattice = {};  // lattice point that the frame is relative to
-  double step_m = 1.0 / 256;                 // lattice step
-  glm::vec3 eye = {};                        // metres from that point
+  std::array<std::int32_t, 3> lattice = {};     // lattice point that the frame is relative to
+  double step_m = 1.0 / 256;                    // lattice step
+  glm::vec3 eye = {};                           // metres from that point
   glm::vec3 right = {}, up = {}, forward = {};  // orthonormal
   float fov_y_deg = 60;
   float ray_length_m = 20000;  // no ray needs to go further

@@ -40,11 +40,10 @@ Result<VkRenderPass> make_render_pass(const Device& device, std::span<const VkAt
   subpass.pColorAttachments = colors.data();
   subpass.pDepthStencilAttachment = &depth;
   constexpr VkAccessFlags all = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
-  const std::array dependencies = {
-      VkSubpassDependency{VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
-                          VK_PIPELINE_STAGE_ALL_GRAPHICS_BIT, all, all, 0},
-      VkSubpassDependency{0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_ALL_GRAPHICS_BIT,
-                          VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, all, all, 0}};
+  const std::array dependencies = {VkSubpassDependency{VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+                                                       VK_PIPELINE_STAGE_ALL_GRAPHICS_BIT, all, all, 0},
+                                   VkSubpassDependency{0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_ALL_GRAPHICS_BIT,
+                                                       VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, all, all, 0}};
   VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
   info.attachmentCount = static_cast<std::uint32_t>(attachments.size());
   info.pAttachments = attachments.data();
@@ -153,15 +152,13 @@ Status Renderer::create_targets() {
   ZC_ASSIGN(overlay_, Image::create(device_, w, h, kOverlayFormat, copied, VK_IMAGE_ASPECT_COLOR_BIT));
 
   constexpr auto read = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
-  const std::array gbuffer = {
-      attachment(kIdFormat, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_IMAGE_LAYOUT_UNDEFINED, read),
-      attachment(kIdFormat, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_IMAGE_LAYOUT_UNDEFINED, read),
-      attachment(kDepthFormat, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_IMAGE_LAYOUT_UNDEFINED, read)};
+  const std::array gbuffer = {attachment(kIdFormat, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_IMAGE_LAYOUT_UNDEFINED, read),
+                              attachment(kIdFormat, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_IMAGE_LAYOUT_UNDEFINED, read),
+                              attachment(kDepthFormat, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_IMAGE_LAYOUT_UNDEFINED, read)};
   ZC_ASSIGN(gbuffer_pass_, make_render_pass(device_, gbuffer));
-  const std::array overlay = {
-      attachment(kOverlayFormat, VK_ATTACHMENT_LOAD_OP_LOAD, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                 VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL),
-      attachment(kDepthFormat, VK_ATTACHMENT_LOAD_OP_LOAD, read, read)};
+  const std::array overlay = {attachment(kOverlayFormat, VK_ATTACHMENT_LOAD_OP_LOAD,
+                                         VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL),
+                              attachment(kDepthFormat, VK_ATTACHMENT_LOAD_OP_LOAD, read, read)};
   ZC_ASSIGN(overlay_pass_, make_render_pass(device_, overlay));
   const std::array gbuffer_views = {surface_.view(), identity_.view(), depth_.view()};
   ZC_ASSIGN(gbuffer_target_, make_framebuffer(device_, gbuffer_pass_, gbuffer_views, w, h));

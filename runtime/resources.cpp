@@ -70,8 +70,7 @@ Result<Image> Image::create(const Device& device, std::uint32_t width, std::uint
   vkGetImageMemoryRequirements(device.handle(), image.image_, &needs);
   VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
   allocate.allocationSize = needs.size;
-  ZC_ASSIGN(allocate.memoryTypeIndex,
-            device.memory_type(needs.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0));
+  ZC_ASSIGN(allocate.memoryTypeIndex, device.memory_type(needs.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0));
   ZC_VK(vkAllocateMemory(device.handle(), &allocate, nullptr, &image.memory_));
   ZC_VK(vkBindImageMemory(device.handle(), image.image_, image.memory_, 0));
   VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};

@@ -116,8 +116,7 @@ class Builder {
       const auto side = sides[static_cast<std::size_t>(child)];
       ZoneBounds bounds = empty_bounds();
       for (const std::uint32_t zone : side) grow(bounds, zones_[zone]);
-      refs[static_cast<std::size_t>(child)] =
-          side.size() == 1 ? (gpu::kRefLeaf | side[0]) : split(side, depth + 1);
+      refs[static_cast<std::size_t>(child)] = side.size() == 1 ? (gpu::kRefLeaf | side[0]) : split(side, depth + 1);
       set_child(top_.nodes[index], child, bounds);
     }
     top_.nodes[index].ref0 = refs[0];

@@ -19,8 +19,8 @@ void wait_for_transfer(VkCommandBuffer commands) {
                        nullptr, 0, nullptr);
 }
 
-void copy(VkCommandBuffer commands, const Buffer& from, VkDeviceSize from_bytes, const Buffer& to, VkDeviceSize to_bytes,
-          VkDeviceSize bytes) {
+void copy(VkCommandBuffer commands, const Buffer& from, VkDeviceSize from_bytes, const Buffer& to,
+          VkDeviceSize to_bytes, VkDeviceSize bytes) {
   const VkBufferCopy region{from_bytes, to_bytes, bytes};
   vkCmdCopyBuffer(commands, from.handle(), to.handle(), 1, &region);
   wait_for_transfer(commands);
@@ -31,8 +31,9 @@ void copy(VkCommandBuffer commands, const Buffer& from, VkDeviceSize from_bytes,
 Status ZoneSet::create(std::uint64_t capacity_words, std::uint32_t max_zones) {
   const VkDeviceSize bytes = std::max<VkDeviceSize>(capacity_words * 4, 64);
   if (bytes > device_.limits().maxStorageBufferRange)
-    return Error{ErrorCode::kDevice, "a page pool of " + std::to_string(bytes) + " bytes is more than " + device_.name() +
-                                         " binds (" + std::to_string(device_.limits().maxStorageBufferRange) + ")"};
+    return Error{ErrorCode::kDevice, "a page pool of " + std::to_string(bytes) + " bytes is more than " +
+                                         device_.name() + " binds (" +
+                                         std::to_string(device_.limits().maxStorageBufferRange) + ")"};
   constexpr VkBufferUsageFlags usage =
       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
   const VkDeviceSize zones = std::max<std::uint32_t>(max_zones, 1);

@@ -4,10 +4,10 @@
 set -euo pipefail
 
 packages=(
-  cmake ninja-build g++ ccache pkg-config
+  cmake ninja-build g++ ccache pkg-config python3
   libcgal-dev libopenmesh-dev libdraco-dev libtinygltf-dev libglm-dev libtbb-dev libboost-dev
   libvulkan-dev mesa-vulkan-drivers vulkan-validationlayers glslang-tools libspirv-cross-c-shared-dev
-  libcli11-dev nlohmann-json3-dev libxxhash-dev libspng-dev libstb-dev libgtest-dev
+  libcli11-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libspng-dev libstb-dev libgtest-dev
 )
 missing=()
 for package in "${packages[@]}"; do

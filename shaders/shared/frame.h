@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Per-frame data: what a pass reads about the camera and the light, the ray queue between passes, and the one descriptor
-// set layout that all passes share.
+// Per-frame data: what a pass reads about the camera and the light, the ray queue between passes, and the one
+// descriptor set layout that all passes share.
 #ifndef ZC_SHADERS_SHARED_FRAME_H
 #define ZC_SHADERS_SHARED_FRAME_H
 
@@ -32,31 +32,31 @@ ZC_CONST(uint, kBindHostPool, 4u);
 ZC_CONST(uint, kBindHostZones, 5u);
 ZC_CONST(uint, kBindHostTop, 6u);
 ZC_CONST(uint, kBindMaterials, 7u);
-ZC_CONST(uint, kBindHiz, 8u);         // float: nearest depth per cell, all levels
-ZC_CONST(uint, kBindLit, 9u);         // uvec2 a pixel: half rgb, sun visibility
+ZC_CONST(uint, kBindHiz, 8u);          // float: nearest depth per cell, all levels
+ZC_CONST(uint, kBindLit, 9u);          // uvec2 a pixel: half rgb, sun visibility
 ZC_CONST(uint, kBindReflection, 10u);  // uvec2 a pixel: half rgb, unused
 ZC_CONST(uint, kBindProvenance, 11u);  // uint a pixel
 ZC_CONST(uint, kBindPixels, 12u);      // uint: reflective pixels
 ZC_CONST(uint, kBindRays, 13u);        // RayTask
 ZC_CONST(uint, kBindHits, 14u);        // HitRecord
 ZC_CONST(uint, kBindCounters, 15u);
-ZC_CONST(uint, kBindOutput, 16u);      // uint a pixel: RGBA8 sRGB
-ZC_CONST(uint, kBindDepth, 17u);       // sampled: reversed-Z depth
-ZC_CONST(uint, kBindSurface, 18u);     // sampled: octahedral normal, material
-ZC_CONST(uint, kBindIdentity, 19u);    // sampled: zone slot + 1, triangle
+ZC_CONST(uint, kBindOutput, 16u);    // uint a pixel: RGBA8 sRGB
+ZC_CONST(uint, kBindDepth, 17u);     // sampled: reversed-Z depth
+ZC_CONST(uint, kBindSurface, 18u);   // sampled: octahedral normal, material
+ZC_CONST(uint, kBindIdentity, 19u);  // sampled: zone slot + 1, triangle
 
 ZC_CONST(uint, kHizLevels, 12u);
 
 struct FrameData {
-  mat4 view_projection;   // camera-relative metres -> clip, reversed Z, infinite far
-  vec4 eye;               // metres, relative to camera_lattice; w = near plane (m)
-  vec4 right;             // w = tan(fov_x / 2)
-  vec4 up;                // w = tan(fov_y / 2)
-  vec4 forward;           // w = longest ray (m)
-  vec4 sun_direction;     // towards the sun; w = roughness above which nothing reflects
-  vec4 sun_radiance;      // w = lattice step (m)
-  ivec4 camera_lattice;   // lattice position all positions are relative to
-  uvec4 size;             // width, height, hiz levels, SSR step limit
+  mat4 view_projection;          // camera-relative metres -> clip, reversed Z, infinite far
+  vec4 eye;                      // metres, relative to camera_lattice; w = near plane (m)
+  vec4 right;                    // w = tan(fov_x / 2)
+  vec4 up;                       // w = tan(fov_y / 2)
+  vec4 forward;                  // w = longest ray (m)
+  vec4 sun_direction;            // towards the sun; w = roughness above which nothing reflects
+  vec4 sun_radiance;             // w = lattice step (m)
+  ivec4 camera_lattice;          // lattice position all positions are relative to
+  uvec4 size;                    // width, height, hiz levels, SSR step limit
   uvec4 hiz_offset[kHizLevels];  // x = first float, y = width, z = height
 };
 

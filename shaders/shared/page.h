@@ -33,20 +33,20 @@ ZC_CONST(uint, kLeafMaxTriangles, 8u);
 
 struct PageHeader {
   uint magic;
-  uint node_count;          // >= 1; node 0 is the root
-  uint triangle_count;      // >= 1
-  uint node_offset_words;   // = kPageHeaderWords
+  uint node_count;         // >= 1; node 0 is the root
+  uint triangle_count;     // >= 1
+  uint node_offset_words;  // = kPageHeaderWords
   uint triangle_offset_words;
-  uint depth;               // inner nodes on the longest path, <= kPageMaxDepth
-  uint total_words;         // whole page
+  uint depth;        // inner nodes on the longest path, <= kPageMaxDepth
+  uint total_words;  // whole page
   uint reserved;
 };
 
 struct BvhNode {
-  uint min0_xy;     // child 0: x | y << 16
+  uint min0_xy;  // child 0: x | y << 16
   uint min0_z_max0_x;
   uint max0_yz;
-  uint min1_xy;     // child 1
+  uint min1_xy;  // child 1
   uint min1_z_max1_x;
   uint max1_yz;
   uint ref0;

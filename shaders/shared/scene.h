@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the shaders know of the resident zones besides their pages: one ZoneEntry a zone and the top-level BVH over them.
-// Both are in world lattice units, so moving the camera uploads nothing; they change only with residency.
+// What the shaders know of the resident zones besides their pages: one ZoneEntry a zone and the top-level BVH over
+// them. Both are in world lattice units, so moving the camera uploads nothing; they change only with residency.
 #ifndef ZC_SHADERS_SHARED_SCENE_H
 #define ZC_SHADERS_SHARED_SCENE_H
 

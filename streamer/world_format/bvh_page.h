@@ -54,8 +54,9 @@ Result<std::vector<std::uint32_t>> assemble_page(const ZoneMesh& mesh, const Bvh
                                                  std::uint32_t material_count, const std::string& path);
 
 // Memory that decoding takes (decode_zone_glb, decode_bvh_file and assemble_page, without the compressed bytes and the
-// page itself). A test measures it. The first reads it from the file and is what NodeRecord::scratch_bytes holds: decoding
-// refuses a file that asks for more; the second holds for any file of this size, for records with scratch_bytes 0.
+// page itself). A test measures it. The first reads it from the file and is what NodeRecord::scratch_bytes holds:
+// decoding refuses a file that asks for more; the second holds for any file of this size, for records with
+// scratch_bytes 0.
 std::uint32_t decode_scratch_bytes(std::span<const std::byte> glb, const NodeRecord& node);
 std::uint32_t decode_scratch_bound(std::uint32_t triangle_count, std::uint32_t vertex_count, std::uint64_t glb_bytes);
 

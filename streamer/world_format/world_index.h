@@ -56,14 +56,15 @@ struct NodeRecord {
   std::uint32_t depth = 0;  // quadtree depth of the cell; a detail node has its leaf's depth
   std::uint32_t cell_x = 0;
   std::uint32_t cell_y = 0;
-  std::uint32_t step_shift = 0;                // the node's step is 2^step_shift lattice units
-  std::array<std::int32_t, 3> origin = {};     // lattice; multiple of 2^step_shift
-  std::array<std::int32_t, 3> bounds_min = {};  // lattice, of the decoded geometry; children lie inside after growing by error
+  std::uint32_t step_shift = 0;             // the node's step is 2^step_shift lattice units
+  std::array<std::int32_t, 3> origin = {};  // lattice; multiple of 2^step_shift
+  std::array<std::int32_t, 3> bounds_min =
+      {};  // lattice, of the decoded geometry; children lie inside after growing by error
   std::array<std::int32_t, 3> bounds_max = {};
-  float error_max_m = 0;    // two-sided surface distance to the full-detail source, sampled
+  float error_max_m = 0;  // two-sided surface distance to the full-detail source, sampled
   float error_mean_m = 0;
   float normal_deviation_deg = 0;
-  float color_error = 0;    // mean absolute linear RGB difference, 0..1
+  float color_error = 0;  // mean absolute linear RGB difference, 0..1
   std::uint32_t triangle_count = 0;
   std::uint32_t vertex_count = 0;  // in the .glb, summed over primitives
   std::uint32_t bvh_node_count = 0;

@@ -48,8 +48,9 @@ glm::dvec3 corner_of(const NodeRecord& node, const std::array<std::int32_t, 3>& 
   return p;
 }
 
-std::vector<OracleTriangle> decode_page(const std::vector<std::uint32_t>& page, std::uint32_t id, const NodeRecord& node,
-                                        const std::array<std::int32_t, 3>& camera, double step_m) {
+std::vector<OracleTriangle> decode_page(const std::vector<std::uint32_t>& page, std::uint32_t id,
+                                        const NodeRecord& node, const std::array<std::int32_t, 3>& camera,
+                                        double step_m) {
   std::vector<OracleTriangle> triangles;
   const std::uint32_t count = page[2];
   const std::uint32_t base = page[4];

@@ -166,7 +166,9 @@ TEST_F(Bake, OneBuildingOfManyTrianglesBakes) {
   test::SceneMaker maker;
   const int n = 120;  // 2 n² triangles on a bumpy dome
   const auto at = [&](int x, int y) {
-    return glm::dvec3(x * 0.5, y * 0.5, 20 * std::sin(x * M_PI / n) * std::sin(y * M_PI / n) + 0.3 * std::sin(x * 1.7) * std::sin(y * 2.3));
+    return glm::dvec3(
+        x * 0.5, y * 0.5,
+        20 * std::sin(x * M_PI / n) * std::sin(y * M_PI / n) + 0.3 * std::sin(x * 1.7) * std::sin(y * 2.3));
   };
   for (int y = 0; y < n; ++y)
     for (int x = 0; x < n; ++x) maker.quad(at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1), 0);

@@ -49,10 +49,10 @@ struct Walk {
     const gpu::BvhNode& n = bvh.nodes[index];
     const auto lo = [](std::uint32_t w) { return w & 0xFFFFU; };
     const auto hi = [](std::uint32_t w) { return w >> 16U; };
-    check_child({lo(n.min0_xy), hi(n.min0_xy), lo(n.min0_z_max0_x)}, {hi(n.min0_z_max0_x), lo(n.max0_yz), hi(n.max0_yz)},
-                n.ref0, level);
-    check_child({lo(n.min1_xy), hi(n.min1_xy), lo(n.min1_z_max1_x)}, {hi(n.min1_z_max1_x), lo(n.max1_yz), hi(n.max1_yz)},
-                n.ref1, level);
+    check_child({lo(n.min0_xy), hi(n.min0_xy), lo(n.min0_z_max0_x)},
+                {hi(n.min0_z_max0_x), lo(n.max0_yz), hi(n.max0_yz)}, n.ref0, level);
+    check_child({lo(n.min1_xy), hi(n.min1_xy), lo(n.min1_z_max1_x)},
+                {hi(n.min1_z_max1_x), lo(n.max1_yz), hi(n.max1_yz)}, n.ref1, level);
   }
 };
 

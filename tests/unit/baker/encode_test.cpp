@@ -45,7 +45,8 @@ void expect_round_trip(LatticeMesh mesh, std::uint32_t shift, std::span<const Ma
   ASSERT_TRUE(decoded.ok()) << decoded.error().describe();
   std::vector<Tagged> before, after;
   for (const auto& face : mesh.faces)
-    before.push_back(tagged({mesh.vertices[face.v[0]], mesh.vertices[face.v[1]], mesh.vertices[face.v[2]]}, face.material));
+    before.push_back(
+        tagged({mesh.vertices[face.v[0]], mesh.vertices[face.v[1]], mesh.vertices[face.v[2]]}, face.material));
   for (std::size_t i = 0; i < decoded->triangles.size(); ++i) {
     Corners corners;
     for (std::size_t k = 0; k < 3; ++k)
@@ -109,7 +110,8 @@ TEST(Encode, TheGlbDeclaresWhatItUses) {
   std::size_t triangles = 0;
   for (const auto& primitive : json["meshes"][0]["primitives"]) {
     triangles += json["accessors"][primitive["indices"].get<std::size_t>()]["count"].get<std::size_t>() / 3;
-    const auto& view = json["bufferViews"][primitive["extensions"]["KHR_draco_mesh_compression"]["bufferView"].get<std::size_t>()];
+    const auto& view =
+        json["bufferViews"][primitive["extensions"]["KHR_draco_mesh_compression"]["bufferView"].get<std::size_t>()];
     EXPECT_EQ(view["byteOffset"].get<std::size_t>() % 4, 0U);
   }
   EXPECT_EQ(triangles, scene->mesh.faces.size());

@@ -123,7 +123,7 @@ TEST(Components, SmallPartsGoButNeverTheGround) {
   SceneMaker maker;
   maker.terrain({0, 0, 0}, 4, 0.5);
   maker.houses({50, 50, 0}, 3, 20);
-  maker.box({64, 64, 0}, {64.5, 64.5, 0.5});    // between houses: goes
+  maker.box({64, 64, 0}, {64.5, 64.5, 0.5});  // between houses: goes
   maker.object(ObjectKind::kObject);
   maker.box({500, 0, 0}, {500.5, 0.5, 0.5});  // alone: stays
   maker.object(ObjectKind::kObject);

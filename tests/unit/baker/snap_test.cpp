@@ -35,8 +35,8 @@ TEST(Snap, WeldsAndDropsWhatIsFlatOrRepeatedByKind) {
   SceneMaker maker;
   const glm::dvec3 a(0), b(1, 0, 0), c(0, 1, 0), d(0, 0, 1);
   maker.triangle(a, b, c, 0);
-  maker.triangle(b, c, a, 1);                      // rotated copy
-  maker.triangle(a, c, b, 0);                      // back to back in the same object
+  maker.triangle(b, c, a, 1);                           // rotated copy
+  maker.triangle(a, c, b, 0);                           // back to back in the same object
   maker.triangle(a, b, b + glm::dvec3(1e-4, 0, 0), 0);  // flat on the lattice
   maker.triangle(a, b, d, 0);
   maker.object(ObjectKind::kObject);

@@ -14,8 +14,10 @@ namespace zc::test {
 class SceneMaker {
  public:
   SceneMaker() {
-    scene.materials = {{"wall", {0.6F, 0.5F, 0.4F}, 0.9F, 0}, {"roof", {0.5F, 0.2F, 0.1F}, 0.8F, 0},
-                       {"grass", {0.1F, 0.4F, 0.1F}, 1.0F, 0}, {"road", {0.1F, 0.1F, 0.1F}, 0.3F, 0}};
+    scene.materials = {{"wall", {0.6F, 0.5F, 0.4F}, 0.9F, 0},
+                       {"roof", {0.5F, 0.2F, 0.1F}, 0.8F, 0},
+                       {"grass", {0.1F, 0.4F, 0.1F}, 1.0F, 0},
+                       {"road", {0.1F, 0.1F, 0.1F}, 0.3F, 0}};
   }
 
   void triangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, std::uint16_t material) {
@@ -24,7 +26,8 @@ class SceneMaker {
     scene.triangles.push_back({base, base + 1, base + 2});
     scene.triangle_material.push_back(material);
   }
-  void quad(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d, std::uint16_t material) {
+  void quad(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d,
+            std::uint16_t material) {
     triangle(a, b, c, material);
     triangle(a, c, d, material);
   }
@@ -54,8 +57,7 @@ class SceneMaker {
       return corner + glm::dvec3(x * cell_m, y * cell_m, 2.0 * std::sin(x * 0.31) * std::cos(y * 0.23));
     };
     for (int y = 0; y < cells; ++y)
-      for (int x = 0; x < cells; ++x)
-        quad(at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1), y % 8 == 0 ? 3 : 2);
+      for (int x = 0; x < cells; ++x) quad(at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1), y % 8 == 0 ? 3 : 2);
     object(ObjectKind::kGround);
   }
   // Boxes in a regular grid, of different heights.

@@ -19,7 +19,8 @@ struct Layout {
   Offsets offsets;
 };
 
-#define AT(type, member) {#member, offsetof(zc::gpu::type, member)}
+#define AT(type, member) \
+  { #member, offsetof(zc::gpu::type, member) }
 
 const std::map<std::string, Layout>& host_layouts() {
   static const std::map<std::string, Layout> layouts = {

@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bad input: one clear line, the right exit code, no crash, nothing half-written."""
+
+import copy
+import json
+import shutil
+
+import support
+
+ARGUMENTS = 2
+FAILURE = 1
+
+
+class BadModels(support.Case):
+    @classmethod
+    def prepare(cls):
+        cls.zonecast("generate", "--size-km", "0.1", "-o", cls.folder / "city")
+        cls.glb = (cls.folder / "city" / "city.glb").read_bytes()
+        cls.city = support.write_small_city(cls.folder / "city.json", blocks=2)
+        cls.old = cls.folder / "old"
+        cls.zonecast("bake", cls.folder / "city.json", "-o", cls.old)
+
+    def refuse(self, name, content, *parts, code=FAILURE):
+        """Neither a new world appears nor an old one changes."""
+        path = self.folder / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        self.assert_refused(["bake", path, "-o", self.folder / "new"], code, path, *parts)
+        self.assert_refused(["bake", path, "-o", self.old], code, path, *parts)
+
+    def test_missing_file(self):
+        self.assert_refused(["bake", self.folder / "none.glb", "-o", self.folder / "new"], FAILURE, "none.glb")
+
+    def test_folder_as_input(self):
+        self.assert_refused(["bake", self.folder / "city", "-o", self.folder / "new"], FAILURE, self.folder / "city")
+
+    def test_empty_file_and_other_formats(self):
+        self.refuse("empty.glb", b"")
+        self.refuse("noise.bin", bytes(range(256)) * 8)
+        self.refuse("text.json", "hello")
+
+    def test_truncated_glb(self):
+        size = len(self.glb)
+        json_bytes = int.from_bytes(self.glb[12:16], "little")
+        lengths = {4, 11, 12, 13, 19, 20, 21, 20 + json_bytes // 2, 20 + json_bytes, 27 + json_bytes, 28 + json_bytes}
+        lengths |= {size * i // 10 for i in range(1, 10)} | {size - 1}
+        self.assertGreaterEqual(len(lengths), 20)
+        for length in sorted(lengths):
+            with self.subTest(length=length):
+                self.refuse("cut.glb", self.glb[:length])
+
+    def test_glb_with_damaged_lengths(self):
+        for at in (8, 12):  # the file's length, the first chunk's
+            for value in (0, 1, 0x7FFFFFFF, 0xFFFFFFFF):
+                with self.subTest(at=at, value=value):
+                    self.refuse("length.glb", self.glb[:at] + value.to_bytes(4, "little") + self.glb[at + 4 :])
+
+    def test_cityjson_index_out_of_range(self):
+        for index in (len(self.city["vertices"]), 2**31, 2**63, -1):
+            with self.subTest(index=index):
+                city = copy.deepcopy(self.city)
+                city["CityObjects"]["house_1_0"]["geometry"][0]["boundaries"][0][0][0][1] = index
+                self.refuse("index.json", json.dumps(city), "house_1_0")
+
+    def test_cityjson_of_wrong_shape(self):
+        for key, value in (("vertices", 7), ("vertices", [[1, 2]]), ("CityObjects", []), ("transform", {"scale": 1}),
+                           ("version", "0.9")):
+            with self.subTest(key=key, value=value):
+                self.refuse("shape.json", json.dumps({**self.city, key: value}))
+
+    def test_malformed_json(self):
+        text = json.dumps(self.city)
+        for cause, content in (("cut", text[: len(text) // 2]), ("comma", text.replace(",", ",,", 1)),
+                               ("brackets", "{" + "[" * 100_000), ("bytes", b'{"type": "CityJSON\xff\xfe')):
+            with self.subTest(cause=cause):
+                self.refuse("malformed.json", content)
+
+    def test_nothing_to_bake(self):
+        self.refuse("nothing.json", json.dumps({**self.city, "CityObjects": {}}))
+
+    def test_one_bad_input_of_two(self):
+        (self.folder / "bad.json").write_text("{")
+        self.assert_refused(["bake", self.folder / "city.json", self.folder / "bad.json", "-o", self.old], FAILURE,
+                            "bad.json")
+
+    def test_output_that_is_no_world_is_not_replaced(self):
+        photos = self.folder / "photos"
+        photos.mkdir()
+        (photos / "holiday.jpg").write_bytes(b"precious")
+        self.assert_refused(["bake", self.folder / "city.json", "-o", photos], ARGUMENTS, photos)
+        self.assert_refused(["bake", self.folder / "city.json", "-o", photos / "holiday.jpg"], ARGUMENTS, "holiday.jpg")
+
+    def test_output_that_cannot_be_created(self):
+        blocked = self.folder / "city.json" / "world"  # below a file
+        self.assert_refused(["bake", self.folder / "city.json", "-o", blocked], FAILURE, "city.json")
+        self.assert_refused(["generate", "--size-km", "0.1", "-o", blocked], FAILURE, "city.json")
+
+
+class BadWorlds(support.Case):
+    @classmethod
+    def prepare(cls):
+        support.write_small_city(cls.folder / "city.json")
+        support.small_drive(cls.folder / "drive.csv")
+        cls.world = cls.folder / "world"
+        cls.zonecast("bake", cls.folder / "city.json", "--leaf-triangles", "64", "-o", cls.world)
+        cls.report = json.loads(cls.zonecast("inspect", cls.world, "--json"))
+
+    def damaged(self, name, change):
+        """A copy of the world with one file changed."""
+        world = self.folder / "damaged"
+        shutil.rmtree(world, ignore_errors=True)
+        shutil.copytree(self.world, world)
+        (world / name).write_bytes(change((world / name).read_bytes()))
+        return world
+
+    def replay(self, world, *more, path=None):
+        return ["replay", world, "--path", path or self.folder / "drive.csv", "--cap", "16MiB", *more]
+
+    @staticmethod
+    def flip(data, at=None):
+        at = len(data) // 2 if at is None else at
+        return data[:at] + bytes([data[at] ^ 0x40]) + data[at + 1 :]
+
+    def pages(self, depth):
+        names = sorted(p.relative_to(self.world).as_posix() for p in (self.world / "zones" / str(depth)).iterdir())
+        return [name for name in names if ".detail." not in name]
+
+    def test_flipped_byte_in_a_page_is_found_by_verify(self):
+        for name in (self.pages(1)[0], self.pages(1)[1], self.pages(0)[0]):
+            world = self.damaged(name, self.flip)
+            done = self.run_zonecast("inspect", world, "--verify")
+            self.assertEqual(done.returncode, FAILURE)
+            self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+            self.assertTrue(done.stderr.startswith("zonecast: "))
+            self.assertIn(name, done.stderr)
+            self.assertIn("1 failures", done.stdout)
+
+    def test_missing_and_shortened_pages_are_found_by_verify(self):
+        name = self.pages(1)[0]
+        world = self.damaged(name, lambda data: data[:-1])
+        self.assertIn(name, self.run_zonecast("inspect", world, "--verify").stderr)
+        (world / name).unlink()
+        done = self.run_zonecast("inspect", world, "--verify")
+        self.assertEqual(done.returncode, FAILURE)
+        self.assertIn(name, done.stderr)
+
+    def test_replay_goes_on_past_a_damaged_page(self):
+        deepest = self.pages(max(level["depth"] for level in self.report["levels"] if not level["detail"]))
+        for name in (*self.pages(1)[:2], *deepest[:2]):
+            world = self.damaged(name, self.flip)
+            for more in ((), ("--source-latency", "50ms"), ("--clock", "wall", "--frames", "0:10")):
+                with self.subTest(name=name, more=more):
+                    stats = self.replay_past(name, world, "--no-render", *more)
+                    self.assertEqual(stats["frames"], 10 if "wall" in more else 40)
+                    if name in deepest:  # nothing finer can stand in
+                        self.assertEqual(stats["wanted_level_fraction"], 0)
+
+    def test_an_ancestor_reflects_instead_of_a_damaged_page(self):
+        more = ("--frames", "0:40:10", "--size", "160x90", "--reflections", "proxy")
+        self.zonecast(*self.replay(self.world, *more, "-o", self.folder / "sound"))
+        sound = support.read_stats(self.folder / "sound")["rays"]
+        deepest = self.pages(max(level["depth"] for level in self.report["levels"] if not level["detail"]))
+        world = self.damaged(deepest[0], self.flip)
+        for name in deepest[1:]:
+            (world / name).write_bytes(self.flip((world / name).read_bytes()))
+        stats = self.replay_past("zones/", world, *more)
+        self.assertEqual(stats["frames"], 4)
+        self.assertEqual(sound["proxy_coarse"], 0)
+        self.assertGreater(stats["rays"]["proxy_coarse"], 0)
+
+    def replay_past(self, name, world, *more):
+        """The statistics of a replay that warns of pages called `name` and keeps every promise."""
+        out = self.folder / "out"
+        shutil.rmtree(out, ignore_errors=True)
+        done = self.run_zonecast(*self.replay(world, *more, "-o", out))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertGreater(len(done.stderr), 0)
+        for line in done.stderr.splitlines():
+            self.assertTrue(line.startswith("warning: "), line)
+            self.assertIn(name, line)
+        stats = support.read_stats(out)
+        self.assertGreater(stats["requests"]["failed"], 0)
+        self.assertGreater(stats["requests"]["retried"], 0)
+        self.assertEqual(stats["frames_over_cap"], 0)
+        self.assertEqual(stats["rays"]["lost"], 0)
+        return stats
+
+    def test_damaged_root_page_ends_the_replay(self):
+        name = self.pages(0)[0]
+        world = self.damaged(name, self.flip)
+        self.assert_refused(self.replay(world, "--no-render", "-o", self.folder / "none"), FAILURE, name)
+        self.assert_refused(self.replay(world, "-o", self.folder / "none"), FAILURE, name)
+
+    def test_flipped_byte_in_the_index(self):
+        size = (self.world / "world.zcw").stat().st_size
+        for at in (0, 9, 12, 40, 90, 96, 200, size // 2, size - 1):
+            with self.subTest(at=at):
+                world = self.damaged("world.zcw", lambda data, at=at: self.flip(data, at))
+                for command in (["inspect", world], self.replay(world, "--no-render"), self.replay(world)):
+                    self.assert_refused(command, FAILURE, "world.zcw")
+
+    def test_truncated_index(self):
+        size = (self.world / "world.zcw").stat().st_size
+        for length in (0, 1, 95, 96, 97, size // 2, size - 1):
+            with self.subTest(length=length):
+                world = self.damaged("world.zcw", lambda data, length=length: data[:length])
+                for command in (["inspect", world, "--verify"], self.replay(world, "--no-render")):
+                    self.assert_refused(command, FAILURE, "world.zcw")
+
+    def test_world_that_is_none(self):
+        for world in (self.folder / "none", self.folder / "drive.csv", self.folder):
+            for command in (["inspect", world], self.replay(world, "--no-render"), self.replay(world)):
+                self.assert_refused(command, FAILURE, world.name)
+
+    def test_path_that_cannot_be_driven(self):
+        good = (self.folder / "drive.csv").read_text().splitlines()
+        fields = good[4].split(",")
+        # what the line must say, content
+        cases = {
+            "nan": (["5: "], [*good[:4], ",".join(["0.3", "nan", *fields[2:]]), *good[5:]]),
+            "infinite": (["5: "], [*good[:4], ",".join([*fields[:7], "inf"]), *good[5:]]),
+            "text": (["line 5", "value 2"], [*good[:4], ",".join(["0.3", "x", *fields[2:]]), *good[5:]]),
+            "few": (["line 5"], [*good[:4], ",".join(fields[:7]), *good[5:]]),
+            "many": (["line 5"], [*good[:4], good[4] + ",1", *good[5:]]),
+            "backwards": (["line 6"], [*good[:4], good[5], good[4]]),
+            "looks at itself": (["line 5"], [*good[:4], ",".join([*fields[:4], *fields[1:4], "60"])]),
+            "field of view": (["line 5"], [*good[:4], ",".join([*fields[:7], "180"])]),
+            "header": (["line 1", "header"], ["t,x,y,z", *good[1:]]),
+            "no header": (["line 1", "header"], good[1:]),
+            "no cameras": (["no camera"], good[:1]),
+            "empty": (["no camera"], []),
+            "shots": (["shots"], ['{"shots": [{"name": 7}]}']),
+            "shot count": (["no camera"], ['{"shots": []}']),
+        }
+        path = self.folder / "bad.csv"
+        for cause, (parts, lines) in cases.items():
+            with self.subTest(cause=cause):
+                path.write_text("".join(line + "\n" for line in lines))
+                self.assert_refused(self.replay(self.world, "--no-render", "-o", self.folder / "none", path=path),
+                                    FAILURE, path, *parts)
+        self.assert_refused(self.replay(self.world, path=self.folder / "none.csv"), FAILURE, "none.csv")
+
+    def test_path_of_another_place(self):
+        path = self.folder / "elsewhere.csv"
+        support.write_path(path, [(0, (0, 0, 2), (1, 0, 2)), (1, (1e8, 0, 2), (1e8, 1, 2))])
+        self.assert_refused(self.replay(self.world, "--size", "64x64", "-o", self.folder / "none", path=path), FAILURE,
+                            "CRS")
+
+    def test_cap_below_the_pinned_set_names_the_cap_that_works(self):
+        smallest = self.report["smallest_cap_bytes"]
+        for more in (("--no-render",), ("--size", "64x64", "--frames", "0:2")):
+            command = ["replay", self.world, "--path", self.folder / "drive.csv", *more]
+            for cap in (0, 1000, smallest - 1):
+                self.assert_refused([*command, "--cap", cap, "-o", self.folder / "none"], FAILURE, smallest)
+            out = self.folder / "tight"
+            self.zonecast(*command, "--cap", smallest, "-o", out)
+            stats = support.read_stats(out)
+            self.assertEqual(stats["frames_over_cap"], 0)
+            self.assertLessEqual(stats["peak_ledger_bytes"], smallest)
+            self.assertEqual(stats["rays"]["lost"], 0)
+            shutil.rmtree(out)
+
+    def test_output_folder_that_cannot_be_created(self):
+        for more in ((), ("--no-render",)):
+            self.assert_refused(self.replay(self.world, *more, "-o", self.folder / "drive.csv" / "out"), FAILURE,
+                                "drive.csv")
+
+    def test_unknown_device(self):
+        self.assert_refused(self.replay(self.world, "--device", "no such device", "-o", self.folder / "none"), FAILURE,
+                            "no such device")
+
+    def test_bad_arguments(self):
+        replay = self.replay(self.world, "-o", self.folder / "none")
+        without_cap = replay[: replay.index("--cap")]
+        for arguments in (
+            [], ["dance"], ["bake"], ["bake", self.folder / "city.json"], ["inspect"], ["inspect", self.world, "--colour"],
+            ["generate"], ["generate", "--size-km", "0", "-o", self.folder / "none"],
+            ["generate", "--seed", "x", "-o", self.folder / "none"],
+            ["bake", self.folder / "city.json", "-o", self.folder / "none", "--error", "-1"],
+            ["bake", self.folder / "city.json", "-o", self.folder / "none", "--leaf-triangles", "1"],
+            without_cap, [*without_cap, "--cap", "nonsense"], [*without_cap, "--cap", "-1"],
+            [*without_cap, "--cap", "1 parsec"], [*without_cap, "--cap", ""], [*replay, "--cap", "1MiB"],
+            [*replay, "--frames", "5:2"], [*replay, "--frames", "1"], [*replay, "--frames", "0:4:0"],
+            [*replay, "--frames", "a:b"], [*replay, "--frames", "1000:2000"],
+            [*replay, "--frames", "1000:2000", "--no-render"],
+            [*replay, "--size", "0x0"], [*replay, "--size", "100000x100"], [*replay, "--size", "640"],
+            [*replay, "--sun", "x"], [*replay, "--sun", "1,2,3"], [*replay, "--sun", "0,91"], [*replay, "--sun", "0,nan"],
+            [*replay, "--reflections", "magic"], [*replay, "--debug-views", "xray"], [*replay, "--clock", "sundial"],
+            [*replay, "--threads", "-1"], [*replay, "--threads", "9999"], [*replay, "--tolerance", "0"],
+            [*replay, "--source-latency", "50"], [*replay, "--source-latency", "-5ms"],
+            [*replay, "--source-bandwidth", "20MB"], [*replay, "--clock", "wall", "--source-latency", "50ms"],
+            [*replay, "--no-such-option"], [*replay, "one", "too", "many"],
+        ):
+            with self.subTest(arguments=" ".join(map(str, arguments))):
+                self.assert_refused(arguments, ARGUMENTS)
+
+    def test_an_error_quotes_line_breaks_on_one_line(self):
+        self.assert_refused(["inspect", "no\nsuch\nworld"], FAILURE)
+        self.assert_refused(["dan\nce"], ARGUMENTS)
+
+
+if __name__ == "__main__":
+    support.main()

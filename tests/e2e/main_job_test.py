@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The main job on a generated city: generate, bake, inspect, replay with pictures."""
+import csv
+import json
+
+import support
+
+FRAMES = 6
+SIZE = (320, 180)
+DEBUG_VIEWS = ("provenance", "bvh", "normals", "depth")
+# Path samples spread over the drive: the first street, the underpass, corners.
+STEP = "0:600:100"
+# Largest difference of a frame from full-detail reflections, of 255. Measured: 9 with screen-space hits, whose
+# silhouettes lie on other pixels; 2.3 with proxies alone; no reflections at all: 32.
+MAX_RMSE_SSR_PROXY = 12.0
+MAX_RMSE_PROXY = 4.0
+
+SUMMARY_KEYS = """frames cap_bytes peak_ledger_bytes frames_over_cap peak_rss_bytes baseline_rss_bytes zones_loaded
+    zones_evicted reloads reloads_optimal wanted_level_fraction request_to_resident_ms.p50 request_to_resident_ms.p95
+    request_to_resident_ms.p99 request_to_resident_ms.max requests.issued requests.completed requests.cancelled
+    requests.failed requests.retried bytes_read rays.total rays.screen rays.proxy rays.proxy_coarse rays.sky rays.lost
+    pass_ms.gbuffer pass_ms.hiz pass_ms.classify pass_ms.ssr pass_ms.compact pass_ms.trace pass_ms.shade pass_ms.filter
+    pass_ms.composite pass_ms.total left_out event_log_xxh3 device driver version""".split()
+INSPECT_KEYS = """zones nodes source_triangles decoded_bytes smallest_cap_bytes levels disk_bytes.glb disk_bytes.zbvh
+    disk_bytes.index bake_s.total bake_s.import bake_s.repair bake_s.cut bake_s.simplify bake_s.light bake_s.encode
+    bake_s.bvh""".split()
+LEVEL_KEYS = """triangles bytes.nodes bytes.triangles bytes.normals bytes.uv bytes.texture bytes.index
+    bytes_per_triangle error_m_max error_m_mean""".split()
+
+
+def look_up(document, dotted):
+    for key in dotted.split("."):
+        document = document[key]
+    return document
+
+
+class MainJob(support.Case):
+    @classmethod
+    def prepare(cls):
+        cls.city, cls.world = cls.folder / "city", cls.folder / "world"
+        cls.zonecast("generate", "--size-km", "0.3", "-o", cls.city)
+        cls.zonecast("bake", cls.city / "city.glb", "-o", cls.world)
+        cls.replay("shown", "--validate", "--debug-views", ",".join(DEBUG_VIEWS))
+
+    @classmethod
+    def replay(cls, name, *more):
+        cls.zonecast("replay", cls.world, "--path", cls.city / "drive.csv", "--cap", "16MiB", "--frames", STEP,
+                     "--size", f"{SIZE[0]}x{SIZE[1]}", "-o", cls.folder / name, *more)
+
+    def pictures(self, name, view="frames"):
+        return [support.read_png(path) for path in sorted((self.folder / name / view).glob("*.png"))]
+
+    def test_inspect_tells_everything_that_scripts_rely_on(self):
+        text = self.zonecast("inspect", self.world, "--json", "--verify")
+        report = json.loads(text)
+        for key in INSPECT_KEYS:
+            look_up(report, key)
+        self.assertGreater(len(report["levels"]), 2)
+        for level in report["levels"]:
+            for key in LEVEL_KEYS:
+                look_up(level, key)
+        self.assertEqual(report["verified"], {"nodes": report["nodes"], "failures": 0})
+        on_disk = sum(path.stat().st_size for path in self.world.rglob("*.glb"))
+        self.assertEqual(report["disk_bytes"]["glb"], on_disk)
+        self.assertIn("zones", self.zonecast("inspect", self.world))
+
+    def test_tileset_names_every_zone_file(self):
+        tileset = json.loads((self.world / "tileset.json").read_text())
+        self.assertEqual(tileset["asset"]["version"], "1.1")
+        names = set()
+
+        def visit(tile):
+            names.add(tile["content"]["uri"])
+            for child in tile.get("children", ()):
+                self.assertLessEqual(child["geometricError"], tile["geometricError"])
+                visit(child)
+
+        visit(tileset["root"])
+        self.assertEqual(names, {p.relative_to(self.world).as_posix() for p in self.world.rglob("*.glb")})
+
+    def test_statistics_keep_their_promises(self):
+        stats = support.read_stats(self.folder / "shown")
+        for key in SUMMARY_KEYS:
+            look_up(stats, key)
+        self.assertEqual(stats["frames"], FRAMES)
+        self.assertEqual(stats["rendered_frames"], FRAMES)
+        self.assertEqual(stats["frames_over_cap"], 0)
+        self.assertEqual(stats["cap_bytes"], 16 << 20)
+        self.assertLessEqual(stats["peak_ledger_bytes"], stats["cap_bytes"])
+        self.assertEqual(stats["validation_messages"], 0)
+        rays = stats["rays"]
+        self.assertEqual(rays["lost"], 0)
+        self.assertGreater(rays["total"], 0)
+        for source in ("screen", "proxy", "sky"):
+            self.assertGreater(rays[source], 0, source)
+        self.assertEqual(rays["total"], sum(count for source, count in rays.items() if source != "total"))
+        requests = stats["requests"]
+        self.assertEqual(requests["issued"], requests["completed"] + requests["cancelled"] + requests["failed"])
+        self.assertGreater(stats["pass_ms"]["total"], 0)
+
+    def test_frames_csv_has_a_row_a_frame_that_adds_up(self):
+        with (self.folder / "shown" / "frames.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([int(row["frame"]) for row in rows], list(range(0, 600, 100)))
+        stats = support.read_stats(self.folder / "shown")
+        for source in ("total", "screen", "proxy", "proxy_coarse", "sky", "lost"):
+            self.assertEqual(sum(int(row[f"rays_{source}"]) for row in rows), stats["rays"][source], source)
+        self.assertLessEqual(max(int(row["ledger_bytes"]) for row in rows), stats["cap_bytes"])
+
+    def test_every_view_is_a_picture_of_the_asked_size(self):
+        for view in ("frames", *DEBUG_VIEWS):
+            pictures = self.pictures("shown", view)
+            self.assertEqual(len(pictures), FRAMES, view)
+            for picture in pictures:
+                self.assertEqual(picture[:2], SIZE, view)
+                self.assertGreater(len(support.colors(picture)), 3, view)
+
+    def test_reflections_come_close_to_full_detail_and_are_missed_when_off(self):
+        full = self.full_detail()
+        errors = {"ssr+proxy": self.pictures("shown")}
+        for method in ("proxy", "none"):
+            self.replay(method, "--reflections", method)
+            errors[method] = self.pictures(method)
+        for method, pictures in errors.items():
+            errors[method] = [support.rmse(a, b) for a, b in zip(pictures, full, strict=True)]
+            print(f"{method} against full detail, rmse:", *(f"{v:.2f}" for v in errors[method]))
+        self.assertLess(max(errors["ssr+proxy"]), MAX_RMSE_SSR_PROXY)
+        self.assertLess(max(errors["proxy"]), MAX_RMSE_PROXY)
+        self.assertGreater(min(errors["none"]), 2 * MAX_RMSE_SSR_PROXY)
+
+    def full_detail(self):
+        self.replay("full", "--reflections", "full")
+        stats = support.read_stats(self.folder / "full")
+        self.assertEqual((stats["rays"]["screen"], stats["rays"]["lost"]), (0, 0))
+        return self.pictures("full")
+
+    def test_the_same_command_gives_the_same_pictures(self):
+        self.replay("again")  # without the validation layers and the debug views: they change nothing
+        first, again = support.snapshot(self.folder / "shown" / "frames"), support.snapshot(self.folder / "again" / "frames")
+        self.assertEqual(len(first), FRAMES)
+        self.assertEqual(first, again)
+
+    def test_still_views_are_named_and_come_with_a_contact_sheet(self):
+        out = self.folder / "shots"
+        self.zonecast("replay", self.world, "--path", self.city / "shots.json", "--cap", "16MiB", "--size", "160x90",
+                      "--contact-sheet", "-o", out)
+        names = [shot["name"] for shot in json.loads((self.city / "shots.json").read_text())["shots"]]
+        self.assertGreaterEqual(len(names), 6)
+        self.assertEqual(sorted(path.stem for path in (out / "frames").iterdir()), sorted(names))
+        width, height, _ = support.read_png(out / "contact_sheet.png")
+        self.assertGreater(width, 3 * 160)
+        self.assertGreater(height, 2 * 90)
+
+    def test_help_and_version_succeed(self):
+        self.assertTrue(self.zonecast("--version").startswith("zonecast "))
+        for command in ("generate", "bake", "inspect", "replay"):
+            self.assertIn("--help", self.zonecast(command, "--help"))
+            self.assertIn(command, self.zonecast("--help"))
+
+
+if __name__ == "__main__":
+    support.main()

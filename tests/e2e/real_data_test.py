@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Real cities: a town under a small cap, an inner-city street with pictures, and two more models."""
+
+import unittest
+
+import support
+
+MIB = 1 << 20
+
+
+def needs(*names):
+    missing = [name for name in names if not (support.DATA / name).is_file()]
+    return unittest.skipIf(missing, f"{', '.join(missing)} not in {support.DATA} (set ZONECAST_DATA)")
+
+
+@needs("bayreuth.city.jsonl", "bayreuth_drive.csv")
+class Bayreuth(support.Case):
+    """A town of 9 × 8 km, driven through at 300 km/h."""
+
+    FRAMES = 6907
+
+    @classmethod
+    def prepare(cls):
+        cls.world = cls.folder / "world"
+        cls.zonecast("bake", support.DATA / "bayreuth.city.jsonl", "-o", cls.world)
+
+    def page(self, name, *more):
+        out = self.folder / name
+        self.zonecast("replay", self.world, "--path", support.DATA / "bayreuth_drive.csv", "--no-render", "-o", out,
+                      *more)
+        stats = support.read_stats(out)
+        self.assertEqual(stats["frames"], self.FRAMES)
+        self.assertEqual(stats["frames_over_cap"], 0)
+        self.assertEqual(stats["requests"]["failed"], 0)
+        self.assertLessEqual(stats["peak_ledger_bytes"], stats["cap_bytes"])
+        return stats
+
+    def test_bakes_whole(self):
+        self.zonecast("inspect", self.world, "--verify")
+
+    def test_every_frame_stays_under_the_cap_and_pages_the_same_at_any_thread_count(self):
+        # Under 2 MiB little more than the root fits; 4 MiB is where zones come and go.
+        for cap, evicts in (("2MiB", False), ("4MiB", True)):
+            for more in ((), ("--source-latency", "50ms", "--source-bandwidth", "20MB/s")):
+                with self.subTest(cap=cap, more=more):
+                    runs = [self.page("paged", "--cap", cap, "--clock", "virtual", "--threads", threads, *more)
+                            for threads in (1, 2, 4)]
+                    self.assertEqual(len({run["event_log_xxh3"] for run in runs}), 1)
+                    if evicts:
+                        self.assertGreater(runs[0]["zones_evicted"], 10)
+                        self.assertLessEqual(runs[0]["reloads_optimal"], runs[0]["reloads"])
+
+    def test_the_ledger_agrees_with_what_the_process_holds(self):
+        stats = self.page("held", "--cap", "64MiB")
+        self.assertEqual(stats["wanted_level_fraction"], 1)
+        held = stats["peak_rss_bytes"] - stats["baseline_rss_bytes"]
+        print(f"ledger {stats['peak_ledger_bytes'] / MIB:.1f} MiB, process {held / MIB:.1f} MiB above its baseline")
+        self.assertLessEqual(abs(held - stats["peak_ledger_bytes"]), 0.1 * stats["peak_ledger_bytes"] + 8 * MIB)
+
+
+@needs("ingolstadt/ingolstadt.city.json", "ingolstadt/drive.csv")
+class Ingolstadt(support.Case):
+    """An inner-city street with windows."""
+
+    def test_the_street_reflects_its_houses(self):
+        world, out = self.folder / "world", self.folder / "out"
+        self.zonecast("bake", support.DATA / "ingolstadt/ingolstadt.city.json", "-o", world)
+        self.zonecast("inspect", world, "--verify")
+        self.zonecast("replay", world, "--path", support.DATA / "ingolstadt/drive.csv", "--cap", "64MiB", "--frames",
+                      "0:300:100", "--size", "640x360", "--validate", "-o", out)
+        stats = support.read_stats(out)
+        self.assertEqual(stats["rendered_frames"], 3)
+        self.assertEqual(stats["frames_over_cap"], 0)
+        self.assertEqual(stats["validation_messages"], 0)
+        self.assertEqual(stats["rays"]["lost"], 0)
+        self.assertGreater(stats["rays"]["proxy"], 1000)
+        self.assertGreater(stats["rays"]["screen"], 1000)
+
+
+class OtherCities(support.Case):
+    def bake(self, name):
+        world = self.folder / "world"
+        self.zonecast("bake", support.DATA / name, "-o", world)
+        self.assertIn(" 0 failures", self.zonecast("inspect", world, "--verify"))
+
+    @needs("delft.city.json")
+    def test_delft(self):
+        self.bake("delft.city.json")
+
+    @needs("rotterdam/rotterdam_subset.json")
+    def test_rotterdam_with_missing_textures(self):
+        self.bake("rotterdam/rotterdam_subset.json")
+
+
+if __name__ == "__main__":
+    support.main()
