@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The GPU's closest hits against a plain double-precision loop over the same triangles.
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <cmath>
-#include <filesystem>
 #include <glm/geometric.hpp>
-#include <memory>
 #include <random>
 
-#include "baker/bake.h"
-#include "replay/zone_table.h"
 #include "streamer/page_loader.h"
+#include "tests/numerics/rendered_world.h"
 #include "tests/unit/baker/test_city.h"
 
 namespace zc {
@@ -25,17 +21,7 @@ struct OracleTriangle {
   std::uint32_t triangle;
 };
 
-class TraceOracle : public testing::TestWithParam<double> {
- protected:
-  void SetUp() override {
-    std::string pattern = (std::filesystem::temp_directory_path() / "zonecast-oracle-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::filesystem::path folder_;
-};
+class TraceOracle : public testing::TestWithParam<double> {};
 
 glm::dvec3 corner_of(const NodeRecord& node, const std::array<std::int32_t, 3>& camera, double step_m, std::uint32_t x,
                      std::uint32_t y, std::uint32_t z) {
@@ -84,59 +70,34 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
   const double offset_m = GetParam();
   BakeOptions bake;
   bake.leaf_triangles = 600;
-  const auto baked = bake_world(test::small_city({offset_m, -offset_m, offset_m / 1000}), 0, bake, folder_ / "world");
-  ASSERT_TRUE(baked.ok()) << baked.error().describe();
-  auto source = open_directory_source(folder_ / "world");
-  ASSERT_TRUE(source.ok());
-
-  DeviceOptions device_options;
-  device_options.validation = true;
-  auto device = Device::create(device_options);
-  ASSERT_TRUE(device.ok()) << device.error().describe();
-  ZoneSet proxies(**device);
-  ZoneSet host(**device, /*use_staging=*/true);
-  ASSERT_TRUE(host.create(64, 1).ok());
-  GpuPageSink sink(proxies, static_cast<std::uint32_t>(baked->index.nodes.size()));
-  StreamerOptions paging;
-  paging.cap_bytes = 64U << 20U;
-  paging.tolerance = 1e-6;
-  auto streamer = Streamer::open(**source, paging, sink);
-  ASSERT_TRUE(streamer.ok()) << streamer.error().describe();
-  const WorldIndex& index = (*streamer)->index();
+  RendererOptions options;
+  options.width = 400;
+  options.height = 256;
+  test::RenderedWorld world;
+  const Status opened = world.open(test::small_city({offset_m, -offset_m, offset_m / 1000}), bake, options);
+  ASSERT_TRUE(opened.ok()) << opened.error().describe();
+  const WorldIndex& index = world.index();
   const double step_m = index.step_m();
 
-  // In the middle of the world, a little above the ground.
-  RenderCamera camera;
-  camera.step_m = step_m;
-  View view;
+  // In the middle of the world.
+  glm::dvec3 middle{};
   glm::dvec3 half{};
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<std::size_t>(axis);
-    camera.lattice[i] = (index.header.bounds_min[i] + index.header.bounds_max[i]) / 2;
-    view.eye[axis] = (static_cast<double>(index.header.anchor[i]) + camera.lattice[i]) * step_m;
-    half[axis] = (index.header.bounds_max[i] - camera.lattice[i]) * step_m;
+    const double center = (index.header.bounds_min[i] + index.header.bounds_max[i]) / 2.0;
+    middle[axis] = (static_cast<double>(index.header.anchor[i]) + std::floor(center)) * step_m;
+    half[axis] = (index.header.bounds_max[i] - center) * step_m;
   }
-  camera.right = {1, 0, 0}, camera.up = {0, 0, 1}, camera.forward = {0, 1, 0};
-  camera.ray_length_m = 1e6F;
-  ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), 0).ok());
-  ZoneTable table(**streamer, proxies, paging.tolerance);
-  ASSERT_TRUE(table.update(view).ok());
-
+  const RenderCamera camera = world.camera(middle, {1, 0, 0}, {0, 0, 1}, {0, 1, 0});
+  const auto cover = world.streamer().cover();
+  ASSERT_GT(cover.size(), 4U);
   std::vector<OracleTriangle> triangles;
-  for (const std::uint32_t id : (*streamer)->cover()) {
-    const auto page = load_page(**source, index, id);
+  for (const std::uint32_t id : cover) {
+    const auto page = load_page(world.source(), index, id);
     ASSERT_TRUE(page.ok());
     const auto more = decode_page(*page, id, index.nodes[id], camera.lattice, step_m);
     triangles.insert(triangles.end(), more.begin(), more.end());
   }
-  ASSERT_GT((*streamer)->cover().size(), 4U);
-
-  RendererOptions options;
-  options.width = 400;
-  options.height = 256;
-  options.max_zones = static_cast<std::uint32_t>(index.nodes.size());
-  auto renderer = Renderer::create(**device, proxies, host, {}, options);
-  ASSERT_TRUE(renderer.ok()) << renderer.error().describe();
 
   std::mt19937 random(7);
   std::uniform_real_distribution<float> unit(-1, 1);
@@ -156,10 +117,9 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
     ray.t_max = 1e6F;
   }
   double milliseconds = 0;
-  const auto hits = (*renderer)->trace(camera, rays, false, &milliseconds);
+  const auto hits = world.renderer().trace(camera, rays, false, &milliseconds);
   ASSERT_TRUE(hits.ok()) << hits.error().describe();
 
-  const auto cover = (*streamer)->cover();
   std::size_t same = 0, tied = 0, missed_by_both = 0, wrong = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const glm::dvec3 origin(rays[i].origin_x, rays[i].origin_y, rays[i].origin_z);
@@ -187,10 +147,10 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
   EXPECT_EQ(wrong, 0U) << same << " same, " << tied << " tied, " << missed_by_both << " missed by both";
   EXPECT_GT(same, kRays / 4);
   EXPECT_LT(tied, kRays / 100);
-  EXPECT_EQ((*device)->validation_messages(), 0U);
+  EXPECT_EQ(world.device().validation_messages(), 0U);
   RecordProperty("triangles", static_cast<int>(triangles.size()));
   std::printf("%zu triangles: %zu same, %zu tied, %zu missed by both, %.1f ms on %s\n", triangles.size(), same, tied,
-              missed_by_both, milliseconds, (*device)->name().c_str());
+              missed_by_both, milliseconds, world.device().name().c_str());
 }
 
 INSTANTIATE_TEST_SUITE_P(WorldOffsets, TraceOracle, testing::Values(0.0, 1e6, 1e7),

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A scene baked, streamed whole and ready to render or trace, for tests that compare the GPU with the truth.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "baker/bake.h"
+#include "replay/zone_table.h"
+
+namespace zc::test {
+
+class RenderedWorld {
+ public:
+  RenderedWorld() = default;
+  RenderedWorld(const RenderedWorld&) = delete;
+  RenderedWorld& operator=(const RenderedWorld&) = delete;
+  ~RenderedWorld() {
+    if (!folder_.empty()) std::filesystem::remove_all(folder_);
+  }
+
+  // Every zone resident at its finest proxy; the host set holds the full detail.
+  Status open(Scene scene, const BakeOptions& bake, RendererOptions options) {
+    std::string pattern = (std::filesystem::temp_directory_path() / "zonecast-numerics-XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr) return Error{ErrorCode::kIo, "no temporary folder", pattern};
+    folder_ = pattern;
+    ZC_ASSIGN(const BakeReport baked, bake_world(std::move(scene), 0, bake, folder_ / "world"));
+    ZC_ASSIGN(source_, open_directory_source(folder_ / "world"));
+    DeviceOptions device;
+    device.validation = true;
+    ZC_ASSIGN(device_, Device::create(device));
+    const auto nodes = static_cast<std::uint32_t>(baked.index.nodes.size());
+    proxies_.emplace(*device_);
+    host_.emplace(*device_, /*use_staging=*/true);  // the path of discrete GPUs is under test as well
+    proxy_sink_.emplace(*proxies_, nodes);
+    host_sink_.emplace(*host_, nodes);
+    StreamerOptions paging;
+    paging.cap_bytes = 128U << 20U;
+    paging.tolerance = 1e-9;
+    ZC_ASSIGN(streamer_, Streamer::open(*source_, paging, *proxy_sink_));
+    paging.include_detail = true;
+    ZC_ASSIGN(host_streamer_, Streamer::open(*source_, paging, *host_sink_));
+    const View view{{0, 0, 0}};
+    ZC_TRY(streamer_->advance(std::span(&view, 1), 0));
+    ZC_TRY(host_streamer_->advance(std::span(&view, 1), 0));
+    proxy_table_.emplace(*streamer_, *proxies_, paging.tolerance);
+    host_table_.emplace(*host_streamer_, *host_, paging.tolerance);
+    ZC_TRY(proxy_table_->update(view));
+    ZC_TRY(host_table_->update(view));
+    std::vector<gpu::MaterialEntry> materials;
+    for (const MaterialRecord& m : index().materials)
+      materials.push_back({m.base_color[0], m.base_color[1], m.base_color[2], m.roughness, m.metallic, m.flags, 0, 0});
+    options.max_zones = nodes;
+    ZC_ASSIGN(renderer_, Renderer::create(*device_, *proxies_, *host_, materials, options));
+    return {};
+  }
+
+  // A camera at a CRS position. The basis is taken as it is, mirrored ones included.
+  [[nodiscard]] RenderCamera camera(const glm::dvec3& eye, const glm::vec3& right, const glm::vec3& up,
+                                    const glm::vec3& forward) const {
+    RenderCamera camera;
+    camera.step_m = index().step_m();
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto i = static_cast<std::size_t>(axis);
+      const double lattice = eye[axis] / camera.step_m - static_cast<double>(index().header.anchor[i]);
+      camera.lattice[i] = static_cast<std::int32_t>(std::llround(lattice));
+      camera.eye[axis] = static_cast<float>((lattice - camera.lattice[i]) * camera.step_m);
+    }
+    camera.right = right;
+    camera.up = up;
+    camera.forward = forward;
+    camera.ray_length_m = 1e5F;
+    return camera;
+  }
+
+  Result<FrameResult> render(const RenderCamera& camera) {
+    return renderer_->render(camera, host_table_->draws(camera, 1.0, false));
+  }
+
+  [[nodiscard]] const WorldIndex& index() const { return streamer_->index(); }
+  [[nodiscard]] Source& source() { return *source_; }
+  [[nodiscard]] const Streamer& streamer() const { return *streamer_; }
+  [[nodiscard]] Renderer& renderer() { return *renderer_; }
+  [[nodiscard]] const Device& device() const { return *device_; }
+
+ private:
+  std::filesystem::path folder_;
+  std::unique_ptr<Source> source_;
+  std::unique_ptr<Device> device_;
+  std::optional<ZoneSet> proxies_, host_;
+  std::optional<GpuPageSink> proxy_sink_, host_sink_;
+  std::unique_ptr<Streamer> streamer_, host_streamer_;
+  std::optional<ZoneTable> proxy_table_, host_table_;
+  std::unique_ptr<Renderer> renderer_;
+};
+
+}  // namespace zc::test
