@@ -95,6 +95,7 @@ Status encode_node(const ProxyNode& source, std::span<const Material> materials,
   node.cell_y = source.cell_y;
   node.step_shift = source.proxy.step_shift;
   node.error_max_m = static_cast<float>(source.proxy.error.max_m);
+  node.appearance_error_m = static_cast<float>(source.proxy.error.appearance_m);
   node.error_mean_m = static_cast<float>(source.proxy.error.mean_m);
   node.normal_deviation_deg = static_cast<float>(source.proxy.error.normal_deviation_deg);
   node.color_error = static_cast<float>(source.proxy.error.color_error);

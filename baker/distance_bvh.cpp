@@ -117,6 +117,39 @@ double DistanceBvh::distance_to_bounds(const glm::dvec3& p) const {
   return std::sqrt(squared_distance_to_box(p, to_dvec(bounds_.min), to_dvec(bounds_.max)));
 }
 
+double DistanceBvh::closest_of_look(const glm::dvec3& p, std::span<const std::uint16_t> looks, std::uint16_t look,
+                                    double limit) const {
+  if (nodes_.empty()) return limit;
+  struct Entry {
+    std::uint32_t node;
+    double squared;
+  };
+  std::array<Entry, 64> stack;
+  std::size_t top = 0;
+  const auto box_distance = [&](std::uint32_t i) {
+    return squared_distance_to_box(p, glm::dvec3(nodes_[i].min), glm::dvec3(nodes_[i].max));
+  };
+  stack[top++] = {0, box_distance(0)};
+  while (top > 0) {
+    const Entry entry = stack[--top];
+    if (entry.squared >= limit * limit) continue;
+    const Node& node = nodes_[entry.node];
+    if (node.count == 0) {
+      Entry near = {node.first, box_distance(node.first)};
+      Entry far = {node.first + 1, box_distance(node.first + 1)};
+      if (far.squared < near.squared) std::swap(near, far);
+      stack[top++] = far;
+      stack[top++] = near;
+      continue;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+      const Triangle& t = triangles_[i];
+      if (looks[t.material] == look) limit = std::min(limit, glm::distance(p, closest_on_triangle(p, t.a, t.ab, t.ac)));
+    }
+  }
+  return limit;
+}
+
 void DistanceBvh::closest(const glm::dvec3& p, const glm::dvec3& normal, double tie, ClosestHit& best) const {
   if (nodes_.empty()) return;
   struct Entry {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "baker/lattice_mesh.h"
@@ -29,6 +30,10 @@ class DistanceBvh {
   // Improves `best` (start with an infinite distance). Of triangles within `tie` steps of the closest, the one best
   // aligned with `normal` wins: at an edge the closest point belongs to several.
   void closest(const glm::dvec3& p, const glm::dvec3& normal, double tie, ClosestHit& best) const;
+
+  // Distance to the closest triangle whose material is of `look`, or `limit` when none is nearer than that.
+  [[nodiscard]] double closest_of_look(const glm::dvec3& p, std::span<const std::uint16_t> looks, std::uint16_t look,
+                                       double limit) const;
 
  private:
   struct Node {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
@@ -96,23 +97,47 @@ ClosestHit closest_of(std::span<const DetailSurface> surfaces, const Sample& sam
   return best;
 }
 
+// Distance from p to the nearest surface of a look, or `limit`.
+double look_distance(std::span<const DetailSurface> surfaces, const glm::dvec3& p, std::span<const std::uint16_t> looks,
+                     std::uint16_t look, double limit) {
+  for (const DetailSurface& surface : surfaces)
+    if (surface.bvh->distance_to_bounds(p) < limit) limit = surface.bvh->closest_of_look(p, looks, look, limit);
+  return limit;
+}
+
 struct Sums {
   double max = 0;
+  double appearance = 0;
   double distance = 0;
   double color = 0;
   double worst_alignment = 1;
   std::size_t count = 0;
 };
 
-void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> surfaces,
-             std::span<const Material> materials, Sums& sums) {
+// `own`: the side that the samples lie on; `surfaces`: the other side.
+void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> own,
+             std::span<const DetailSurface> surfaces, std::span<const Material> materials,
+             std::span<const std::uint16_t> looks, Sums& sums) {
   std::vector<ClosestHit> hits(samples.size());
+  std::vector<double> appearance(samples.size(), 0.0);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples.size(), 512), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) hits[i] = closest_of(surfaces, samples[i]);
+    double largest = 0;  // of this range: a sample that cannot exceed it needs no exact distance
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      hits[i] = closest_of(surfaces, samples[i]);
+      const std::uint16_t look = looks[samples[i].material];
+      const std::uint16_t seen = looks[hits[i].material];
+      if (samples[i].is_vertex || look == seen) continue;
+      const double here = look_distance(own, samples[i].point, looks, seen, std::numeric_limits<double>::infinity());
+      if (here <= largest) continue;
+      appearance[i] = look_distance(surfaces, samples[i].point, looks, look, here);
+      if (!std::isfinite(appearance[i])) appearance[i] = hits[i].distance;
+      largest = std::max(largest, appearance[i]);
+    }
   });
   // Summed in order: the same result at any thread count.
   for (std::size_t i = 0; i < samples.size(); ++i) {
     sums.max = std::max(sums.max, hits[i].distance);
+    sums.appearance = std::max(sums.appearance, appearance[i]);
     if (samples[i].is_vertex) continue;
     ++sums.count;
     sums.distance += hits[i].distance;
@@ -123,6 +148,27 @@ void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> 
 }
 
 }  // namespace
+
+std::vector<std::uint16_t> look_classes(std::span<const Material> materials) {
+  constexpr float kColorApart = 0.08F;
+  constexpr float kRoughnessApart = 0.2F;
+  constexpr float kMetallicApart = 0.5F;
+  std::vector<std::uint16_t> looks;
+  std::vector<const Material*> first_of_class;
+  for (const Material& material : materials) {
+    std::size_t look = 0;
+    for (; look < first_of_class.size(); ++look) {
+      const Material& other = *first_of_class[look];
+      const glm::vec3 d = glm::abs(material.base_color - other.base_color);
+      if (std::max({d.x, d.y, d.z}) < kColorApart && std::abs(material.roughness - other.roughness) < kRoughnessApart &&
+          std::abs(material.metallic - other.metallic) < kMetallicApart)
+        break;
+    }
+    if (look == first_of_class.size()) first_of_class.push_back(&material);
+    looks.push_back(static_cast<std::uint16_t>(look));
+  }
+  return looks;
+}
 
 SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurface> detail,
                            std::span<const Material> materials, double step_m) {
@@ -155,11 +201,14 @@ SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurfa
   const DistanceBvh proxy_bvh(proxy);
   const DetailSurface proxy_surface = {&proxy, &proxy_bvh};
   Sums sums;
-  compare(from_proxy, detail, materials, sums);
-  compare(from_detail, std::span(&proxy_surface, 1), materials, sums);
+  const std::span<const DetailSurface> proxy_side(&proxy_surface, 1);
+  const std::vector<std::uint16_t> looks = look_classes(materials);
+  compare(from_proxy, proxy_side, detail, materials, looks, sums);
+  compare(from_detail, detail, proxy_side, materials, looks, sums);
   SurfaceError error;
   const double count = static_cast<double>(std::max<std::size_t>(sums.count, 1));
   error.max_m = sums.max * step_m;
+  error.appearance_m = sums.appearance * step_m;
   error.mean_m = sums.distance / count * step_m;
   error.normal_deviation_deg = std::acos(std::clamp(sums.worst_alignment, 0.0, 1.0)) * 180.0 / std::numbers::pi;
   error.color_error = sums.color / count;

@@ -18,12 +18,19 @@ struct SurfaceError {
   double normal_deviation_deg =
       0;                   // largest, 0..90, of unsigned normals between an area sample and the closest surface
   double color_error = 0;  // mean absolute linear RGB difference, 0..1
+  // Largest distance, over area samples that look unlike the closest surface, to where the look is right: on the other
+  // side to the sample's own look, or on its own side to the look it was given, whichever is nearer. Half the width of
+  // a window that vanished in its wall, say.
+  double appearance_m = 0;
 };
 
 struct DetailSurface {
   const LatticeMesh* mesh = nullptr;
   const DistanceBvh* bvh = nullptr;
 };
+
+// Class of each material: materials of one class are hard to tell apart.
+std::vector<std::uint16_t> look_classes(std::span<const Material> materials);
 
 SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurface> detail,
                            std::span<const Material> materials, double step_m);

@@ -8,6 +8,7 @@
 #include "baker/cluster.h"
 #include "baker/components.h"
 #include "baker/decimate.h"
+#include "baker/patches.h"
 
 namespace zc {
 namespace {
@@ -39,9 +40,10 @@ double coarsen(const SimplifyContext& context, const Zone& zone, double toleranc
   for (; mesh.faces.size() > target; tolerance *= 2) {
     drop_small_components(mesh, tolerance, target);
     if (mesh.faces.size() <= target) return tolerance;
+    absorb_small_patches(mesh, 2 * tolerance);
     const auto before = static_cast<double>(mesh.faces.size());
     mesh = decimate(mesh, locked_vertices(*context.grid, zone, mesh),
-                    {tolerance, target, kInnerNormalTurnDeg, /*keep_material_borders=*/false});
+                    {tolerance, target, kInnerNormalTurnDeg, /*keep_material_borders=*/true});
     if (mesh.faces.size() > target && static_cast<double>(mesh.faces.size()) > kDecimationStuck * before) {
       // Soup of many loose patches has no edges to collapse.
       LatticeMesh clustered =
@@ -111,12 +113,14 @@ std::optional<Proxy> simplify_inner(const SimplifyContext& context, const Zone& 
   const bool is_root = zone.parent < 0;
   std::size_t sum = 0;
   double child_error_m = 0;
+  double child_appearance_m = 0;
   // Not from the children's errors: one lost shed far from everything would make all that is coarser shapeless.
   double tolerance = kFirstToleranceM / context.step_m;
   Proxy out;
   for (const Proxy* child : children) {
     sum += child->mesh.faces.size();
     child_error_m = std::max(child_error_m, child->error.max_m);
+    child_appearance_m = std::max(child_appearance_m, child->error.appearance_m);
     tolerance = std::max(tolerance, child->tolerance);
     append(out.mesh, child->mesh);
   }
@@ -146,6 +150,7 @@ std::optional<Proxy> simplify_inner(const SimplifyContext& context, const Zone& 
   out.error = measure_proxy(out.mesh, detail, context.materials, context.step_m);
   // Refinement must never raise the promised error.
   out.error.max_m = std::max(out.error.max_m, child_error_m);
+  out.error.appearance_m = std::max(out.error.appearance_m, child_appearance_m);
   return out;
 }
 

@@ -42,7 +42,7 @@ std::string make_tileset_json(const WorldIndex& index) {
     }
     Json& tile = tiles[i];
     tile["boundingVolume"]["box"] = box_json(boxes[i], step_m);
-    tile["geometricError"] = node.is_detail() ? 0.0 : static_cast<double>(node.error_max_m);
+    tile["geometricError"] = node.is_detail() ? 0.0 : static_cast<double>(node.visible_error_m());
     if (i == 0) {
       tile["refine"] = "REPLACE";
       const auto metres = [&](std::size_t axis) { return static_cast<double>(index.header.anchor[axis]) * step_m; };
@@ -54,7 +54,8 @@ std::string make_tileset_json(const WorldIndex& index) {
   Json out;
   out["asset"] = {{"version", "1.1"}, {"generator", "zonecast"}};
   // The error of drawing nothing: the world's own size bounds it.
-  out["geometricError"] = std::max(boxes[0].diagonal() * step_m, 2.0 * static_cast<double>(index.nodes[0].error_max_m));
+  out["geometricError"] =
+      std::max(boxes[0].diagonal() * step_m, 2.0 * static_cast<double>(index.nodes[0].visible_error_m()));
   out["extras"] = {{"zonecast_index", kWorldIndexName}};
   if (!index.crs.empty()) out["extras"]["crs"] = index.crs;
   out["root"] = std::move(tiles[0]);

@@ -24,13 +24,14 @@ void print_table(const nlohmann::ordered_json& json) {
             << format_bytes(json["smallest_cap_bytes"]) << "\n"
             << "on disk: glb " << format_bytes(json["disk_bytes"]["glb"]) << ", zbvh "
             << format_bytes(json["disk_bytes"]["zbvh"]) << ", index " << format_bytes(json["disk_bytes"]["index"])
-            << "\n\n depth   nodes  triangles   B/triangle  error max m  error mean m\n";
+            << "\n\n depth   nodes  triangles   B/triangle  error max m  error mean m  look max m\n";
   for (const auto& level : json["levels"]) {
     std::cout << std::setw(6) << (level["detail"] ? std::string("detail") : level["depth"].dump()) << std::setw(8)
               << level["nodes"].dump() << std::setw(11) << level["triangles"].dump() << std::fixed
               << std::setprecision(1) << std::setw(13) << level["bytes_per_triangle"].get<double>()
               << std::setprecision(3) << std::setw(13) << level["error_m_max"].get<double>() << std::setw(14)
-              << level["error_m_mean"].get<double>() << '\n';
+              << level["error_m_mean"].get<double>() << std::setw(12) << level["appearance_error_m_max"].get<double>()
+              << '\n';
   }
 }
 

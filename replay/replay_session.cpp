@@ -201,7 +201,8 @@ class Session {
   }
 
   Status replay_frames() {
-    const std::uint64_t count = (last_frame() - options_.frames.begin + options_.frames.step - 1) / options_.frames.step;
+    const std::uint64_t count =
+        (last_frame() - options_.frames.begin + options_.frames.step - 1) / options_.frames.step;
     const auto started = std::chrono::steady_clock::now();
     const double first_s = options_.path[options_.frames.begin].time_s;
     for (std::uint64_t i = 0; i < count; ++i) {

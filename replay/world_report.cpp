@@ -15,7 +15,7 @@ constexpr const char* kBakeReport = "bake.json";
 
 struct Level {
   std::uint64_t nodes = 0, triangles = 0, bvh_nodes = 0, page_bytes = 0;
-  double error_max_m = 0, error_sum_m = 0;
+  double error_max_m = 0, error_sum_m = 0, appearance_max_m = 0;
 
   void add(const NodeRecord& node) {
     ++nodes;
@@ -23,6 +23,7 @@ struct Level {
     bvh_nodes += node.bvh_node_count;
     page_bytes += node.page_bytes;
     error_max_m = std::max(error_max_m, static_cast<double>(node.error_max_m));
+    appearance_max_m = std::max(appearance_max_m, static_cast<double>(node.appearance_error_m));
     error_sum_m += static_cast<double>(node.error_mean_m) * node.triangle_count;
   }
 
@@ -40,7 +41,8 @@ struct Level {
               {"index", nodes * sizeof(NodeRecord)}}},
             {"bytes_per_triangle", static_cast<double>(page_bytes) / count},
             {"error_m_max", error_max_m},
-            {"error_m_mean", error_sum_m / count}};
+            {"error_m_mean", error_sum_m / count},
+            {"appearance_error_m_max", appearance_max_m}};
   }
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Screen-space reflections by Hi-Z traversal (Uludag 2014, "Hi-Z Screen-Space Cone-Traced Reflections", GPU Pro 5), with
 // one difference: there is no thickness constant. A crossing counts as a hit where the ray meets the tangent plane of the
-// pixel's surface within that pixel; else the ray went behind something and is *occluded*.
+// pixel's surface within that pixel, or next to it on the same plane; else the ray went behind something: *occluded*.
 // Every ray ends as hit, sky, occluded, off-screen or exhausted; the last three go on against the proxies from the last
 // point that was verified free.
 #version 460
@@ -34,6 +34,14 @@ vec3 project(vec3 from_eye) {
 float hiz_at(uint level, uvec2 cell) {
   const uvec4 at = frame.hiz_offset[level];
   return hiz[at.x + cell.y * at.y + cell.x];
+}
+
+// Whether the pixel that the ray came from shows the same plane: then the crossing may lie between the two pixels' centres.
+// At an outline it does not, and a ray that passes behind the outline must not be caught by it.
+bool same_plane(Surface h, vec2 from, float footprint_m) {
+  const Surface before = load_surface(clamp(ivec2(from), ivec2(0), ivec2(frame.size.xy) - 1));
+  return !before.sky && dot(before.normal, h.normal) > 0.9 &&
+         abs(dot(before.position - h.position, h.normal)) <= footprint_m;
 }
 
 March march_screen(Surface s, vec3 direction) {
@@ -90,7 +98,9 @@ March march_screen(Surface s, vec3 direction) {
         const float t = dot(h.position - s.position, h.normal) / min(facing, -1e-6);
         const vec2 meet = project(from_eye + direction * t).xy;
         const vec2 off = abs(meet - (vec2(cell) + 0.5));
-        if (!h.sky && facing < 0.0 && t > 0.0 && max(off.x, off.y) <= 1.5) {
+        const float pixels_off = max(off.x, off.y);
+        if (!h.sky && facing < 0.0 && t > 0.0 && pixels_off <= 1.5 &&
+            (pixels_off <= 0.55 || same_plane(h, p0.xy + delta.xy * (at - nudge), footprint_m))) {
           result.end = kHit;
           result.pixel = ivec2(cell);
           result.t = t;

@@ -100,7 +100,7 @@ std::uint64_t pool_bytes(const NodeRecord& node) {
 
 double weighted_error(const WorldIndex& index, std::uint32_t node, std::span<const View> views) {
   const NodeRecord& record = index.nodes[node];
-  const double error_m = record.error_max_m;
+  const double error_m = record.visible_error_m();
   double worst = 0;
   double weight = 1;
   for (const View& view : views) {

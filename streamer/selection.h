@@ -4,8 +4,8 @@
 //
 // Greedy refinement: the root is selected; the node with the largest weighted error whose children all fit in what is
 // left of the budget is refined next, and its children are selected together, until the error is within the tolerance.
-// The weighted error of a node is the largest, over the views, of error_max_m / distance, later views weighing less,
-// and never more than its parent's. A node that was refined in the previous selection counts 1.25 times.
+// The weighted error of a node is the largest, over the views, of visible_error_m() / distance, later views weighing
+// less, and never more than its parent's. A node that was refined in the previous selection counts 1.25 times.
 //
 // Nothing oscillates at a fixed camera: refined nodes only gain, others only lose, and errors fall along every path, so
 // the greedy order keeps every refined node ahead of the same rivals, and each rival still finds too little room.
@@ -55,7 +55,7 @@ struct Selection {
   std::vector<Candidate> heap;  // working memory, kept between calls
 };
 
-// error_max_m over distance, the largest over the views with their weights.
+// visible_error_m() over distance, the largest over the views with their weights.
 [[nodiscard]] double weighted_error(const WorldIndex& index, std::uint32_t node, std::span<const View> views);
 
 // Replaces `selection`. With no view only the root is selected.

@@ -102,7 +102,7 @@ Status check_place(const NodeRecord& node, const Fault& fault) {
       return fault("bounds do not fit 16-bit offsets");
   }
   if (!sane(node.error_max_m) || !sane(node.error_mean_m) || !sane(node.normal_deviation_deg) ||
-      !sane(node.color_error))
+      !sane(node.color_error) || !sane(node.appearance_error_m))
     return fault("an error bound is not a number");
   return {};
 }

@@ -9,6 +9,7 @@
 // (CRS position in metres = (anchor + position) * step). Thread-safe: plain values.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -72,13 +73,18 @@ struct NodeRecord {
   std::uint32_t page_bytes = 0;     // decoded GPU page
   std::uint32_t scratch_bytes = 0;  // upper bound of memory while decoding, without the page and the compressed bytes
   std::uint32_t primitive_count = 0;
-  std::array<std::uint32_t, 2> reserved = {};
+  // How far off the wrong colour a point can be: the largest distance, over samples where node and source look
+  // different, to where the look is right. At least as fine as the geometry's error when windows vanish in a flat wall.
+  float appearance_error_m = 0;
+  std::uint32_t reserved = 0;
   std::uint64_t glb_bytes = 0;
   std::uint64_t bvh_bytes = 0;
   std::uint64_t glb_xxh3 = 0;
   std::uint64_t bvh_xxh3 = 0;
 
   [[nodiscard]] bool is_detail() const { return (flags & kNodeDetail) != 0; }
+  // What decides whether the node is fine enough for a viewer.
+  [[nodiscard]] float visible_error_m() const { return std::max(error_max_m, appearance_error_m); }
 };
 static_assert(sizeof(NodeRecord) == 152);
 

@@ -175,7 +175,7 @@ class BadWorlds(support.Case):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertGreater(len(done.stderr), 0)
         for line in done.stderr.splitlines():
-            self.assertTrue(line.startswith("warning: "), line)
+            self.assertTrue(line.startswith("zonecast: warning: "), line)
             self.assertIn(name, line)
         stats = support.read_stats(out)
         self.assertGreater(stats["requests"]["failed"], 0)
@@ -272,8 +272,9 @@ class BadWorlds(support.Case):
         replay = self.replay(self.world, "-o", self.folder / "none")
         without_cap = replay[: replay.index("--cap")]
         for arguments in (
-            [], ["dance"], ["bake"], ["bake", self.folder / "city.json"], ["inspect"], ["inspect", self.world, "--colour"],
-            ["generate"], ["generate", "--size-km", "0", "-o", self.folder / "none"],
+            [], ["dance"], ["bake"], ["bake", self.folder / "city.json"], ["inspect"],
+            ["inspect", self.world, "--colour"], ["generate"],
+            ["generate", "--size-km", "0", "-o", self.folder / "none"],
             ["generate", "--seed", "x", "-o", self.folder / "none"],
             ["bake", self.folder / "city.json", "-o", self.folder / "none", "--error", "-1"],
             ["bake", self.folder / "city.json", "-o", self.folder / "none", "--leaf-triangles", "1"],
@@ -283,7 +284,8 @@ class BadWorlds(support.Case):
             [*replay, "--frames", "a:b"], [*replay, "--frames", "1000:2000"],
             [*replay, "--frames", "1000:2000", "--no-render"],
             [*replay, "--size", "0x0"], [*replay, "--size", "100000x100"], [*replay, "--size", "640"],
-            [*replay, "--sun", "x"], [*replay, "--sun", "1,2,3"], [*replay, "--sun", "0,91"], [*replay, "--sun", "0,nan"],
+            [*replay, "--sun", "x"], [*replay, "--sun", "1,2,3"], [*replay, "--sun", "0,91"],
+            [*replay, "--sun", "0,nan"],
             [*replay, "--reflections", "magic"], [*replay, "--debug-views", "xray"], [*replay, "--clock", "sundial"],
             [*replay, "--threads", "-1"], [*replay, "--threads", "9999"], [*replay, "--tolerance", "0"],
             [*replay, "--source-latency", "50"], [*replay, "--source-latency", "-5ms"],

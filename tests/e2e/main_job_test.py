@@ -136,7 +136,7 @@ class MainJob(support.Case):
 
     def test_the_same_command_gives_the_same_pictures(self):
         self.replay("again")  # without the validation layers and the debug views: they change nothing
-        first, again = support.snapshot(self.folder / "shown" / "frames"), support.snapshot(self.folder / "again" / "frames")
+        first, again = (support.snapshot(self.folder / name / "frames") for name in ("shown", "again"))
         self.assertEqual(len(first), FRAMES)
         self.assertEqual(first, again)
 
