@@ -127,8 +127,9 @@ std::optional<Proxy> simplify_inner(const SimplifyContext& context, const Zone& 
   // A node far below the size of a zone is not worth being coarser still: it need only save enough to be stored.
   const double small = std::min(context.leaf_triangles / 4.0, kInnerTargetSmall * static_cast<double>(sum));
   const double share = std::max(kInnerTarget * static_cast<double>(sum), small);
-  const std::size_t target =
-      std::max<std::size_t>(1, std::min<std::size_t>(context.leaf_triangles, static_cast<std::size_t>(share)));
+  // The root is only ever a stand-in, but always resident: it decides the smallest cap that works.
+  const std::size_t most = is_root ? std::max(1U, context.leaf_triangles / 4) : context.leaf_triangles;
+  const std::size_t target = std::max<std::size_t>(1, std::min(most, static_cast<std::size_t>(share)));
   out.step_shift = step_shift_for_box(bounds_of(out.mesh));
   round_to_step(out.mesh, out.step_shift);
   out.tolerance = coarsen(context, zone, tolerance, target, out.mesh);

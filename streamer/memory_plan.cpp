@@ -69,10 +69,10 @@ Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& o
   std::uint64_t request = request_bytes(root);
   std::uint64_t spare = room - pool_bytes(root) - scratch - request;
 
-  // Scratch and a request for the most demanding node, as far as that takes no more than half of what is spare; proxies
-  // before detail, which is left out first.
+  // Scratch and a request for the most demanding node, as far as that takes no more than three quarters of what is
+  // spare; proxies before detail, which is left out first.
   std::uint64_t all_pages = 0;
-  std::uint64_t growth_left = spare / 2;
+  std::uint64_t growth_left = spare / 4 * 3;
   for (const bool detail : {false, true}) {
     for (const NodeRecord& node : index.nodes) {
       if (node.is_detail() != detail || !pageable(node, options.include_detail)) continue;
@@ -86,10 +86,12 @@ Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& o
       request += request_more;
     }
   }
-  // Room for more than one at once, which the pool can spare when there is plenty. The number of threads has no say:
-  // what is selected must not depend on it.
-  scratch += std::min(3 * scratch, spare / 4);
-  const std::uint64_t requests = request + std::min((std::max(1U, options.max_in_flight) - 1) * request, spare / 4);
+  // Room for more than one at once: little of it while the pool cannot hold every page, for pages are what the cap is
+  // for. The number of threads has no say: what is selected must not depend on it.
+  const std::uint64_t beyond_pages = spare - std::min(spare, all_pages);
+  scratch += std::min(3 * scratch, std::max(spare / 16, beyond_pages / 4));
+  const std::uint64_t requests =
+      request + std::min((std::max(1U, options.max_in_flight) - 1) * request, std::max(spare / 8, beyond_pages / 4));
 
   constexpr std::uint64_t kAlign = 4 * kPageAlignWords;
   plan.scratch_bytes = scratch;

@@ -28,8 +28,11 @@ constexpr std::uint64_t kUnsignedShort = 5123;
 // What decoding takes, measured with draco 1.5.5 and nlohmann 3.11 (bytes), with room to spare: connectivity and values
 // by triangle and vertex, and the tables of the rANS decoders, which the streams themselves name (draco_tables.h).
 constexpr std::uint64_t kScratchFixed = 64 << 10U;
-constexpr std::uint64_t kScratchPerTriangle = 240;
+constexpr std::uint64_t kScratchPerTriangle = 200;
 constexpr std::uint64_t kScratchPerVertex = 16;
+// Held from the first primitive to the page: the mesh and the BVH file.
+constexpr std::uint64_t kHeldPerTriangle = 48;
+constexpr std::uint64_t kHeldPerVertex = 8;
 constexpr std::uint64_t kScratchPerJsonByte = 24;
 constexpr std::uint64_t kSymbolsMost = (1 << 16U) + 1;
 constexpr std::uint64_t kJsonMaxBytes = 1 << 20U;
@@ -41,14 +44,20 @@ std::uint64_t table_bound(std::uint64_t vertex_count, std::uint64_t glb_bytes) {
                           kSymbolsMost);
 }
 
-// The JSON tree is gone before draco starts.
-std::uint32_t scratch(std::uint64_t json_bytes, std::uint64_t triangle_count, std::uint64_t vertex_count,
-                      std::uint64_t glb_bytes, std::uint64_t table_bytes) {
+// What draco takes for one primitive's stream.
+std::uint64_t stream_scratch(std::uint64_t triangle_count, std::uint64_t vertex_count, std::uint64_t stream_bytes,
+                             std::uint64_t table_bytes) {
+  return kScratchPerTriangle * triangle_count + kScratchPerVertex * vertex_count +
+         std::min<std::uint64_t>(stream_bytes, 1ULL << 32U) + table_bytes;
+}
+
+// The JSON tree is gone before draco starts, and each stream's decoder before the next.
+std::uint32_t scratch(std::uint64_t json_bytes, std::uint64_t largest_stream, std::uint64_t triangle_count,
+                      std::uint64_t vertex_count) {
   const std::uint64_t json = kScratchPerJsonByte * std::min(json_bytes, kJsonMaxBytes);
-  const std::uint64_t draco = kScratchPerTriangle * triangle_count + kScratchPerVertex * vertex_count +
-                              std::min<std::uint64_t>(glb_bytes, 1ULL << 32U) + table_bytes;
-  return static_cast<std::uint32_t>(
-      std::min<std::uint64_t>(kScratchFixed + std::max(json, draco), std::numeric_limits<std::uint32_t>::max()));
+  const std::uint64_t held = kHeldPerTriangle * triangle_count + kHeldPerVertex * vertex_count;
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(kScratchFixed + std::max(json, largest_stream) + held,
+                                                            std::numeric_limits<std::uint32_t>::max()));
 }
 
 struct Chunks {
@@ -100,12 +109,16 @@ class ZoneGlb {
   }
 
   [[nodiscard]] std::uint32_t scratch_of(const Chunks& chunks, const std::vector<Primitive>& primitives) const {
-    std::uint64_t tables = 0;
-    for (const Primitive& primitive : primitives)
-      tables = std::max(
-          tables,
-          draco_table_bytes(primitive.draco).value_or(table_bound(primitive.vertex_count, primitive.draco.size())));
-    return scratch(chunks.json.size(), node_.triangle_count, node_.vertex_count, bytes_.size(), tables);
+    std::uint64_t largest = 0;
+    for (const Primitive& primitive : primitives) {
+      const auto counts = read_draco_counts(primitive);
+      const std::uint64_t triangles =
+          counts.ok() ? std::min<std::uint64_t>(counts->faces, node_.triangle_count) : node_.triangle_count;
+      const std::uint64_t tables =
+          draco_table_bytes(primitive.draco).value_or(table_bound(primitive.vertex_count, primitive.draco.size()));
+      largest = std::max(largest, stream_scratch(triangles, primitive.vertex_count, primitive.draco.size(), tables));
+    }
+    return scratch(chunks.json.size(), largest, node_.triangle_count, node_.vertex_count);
   }
 
   [[nodiscard]] std::uint32_t word(std::size_t at) const {
@@ -205,15 +218,21 @@ class ZoneGlb {
 
   // Draco takes memory as its own header asks, so that is read first: (Draco bitstream 2.2, sections "ParseHeader",
   // "ParseEdgebreakerConnectivityData", "DecodeSequentialConnectivityData".)
-  [[nodiscard]] Status check_draco_header(const Primitive& primitive, std::uint64_t faces_left) const {
+  struct DracoCounts {
+    std::uint64_t faces = 0;
+    std::uint64_t vertices = 0;
+    bool edgebreaker = false;
+  };
+  [[nodiscard]] Result<DracoCounts> read_draco_counts(const Primitive& primitive) const {
     const std::span<const std::byte> data = primitive.draco;
     const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(data[i]); };
     if (data.size() < 13 || std::memcmp(data.data(), "DRACO", 5) != 0) return fault("not a Draco stream");
     if (byte(5) != 2 || byte(6) != 2) return fault("Draco bitstream is not version 2.2");
     if (byte(7) != 1 || byte(8) > 1) return fault("Draco stream is not a mesh");
     if (byte(9) != 0 || byte(10) != 0) return fault("Draco stream has metadata");
-    const bool edgebreaker = byte(8) == 1;
-    std::size_t at = edgebreaker ? 12 : 11;  // after the traversal type
+    DracoCounts counts;
+    counts.edgebreaker = byte(8) == 1;
+    std::size_t at = counts.edgebreaker ? 12 : 11;  // after the traversal type
     const auto varint = [&]() -> std::uint64_t {
       std::uint64_t value = 0;
       for (unsigned shift = 0; at < data.size() && shift < 35; shift += 7) {
@@ -225,11 +244,16 @@ class ZoneGlb {
     };
     const std::uint64_t first = varint();
     const std::uint64_t second = varint();
-    const std::uint64_t faces = edgebreaker ? second : first;
-    const std::uint64_t vertices = edgebreaker ? first : second;
+    counts.faces = counts.edgebreaker ? second : first;
+    counts.vertices = counts.edgebreaker ? first : second;
+    return counts;
+  }
+
+  [[nodiscard]] Status check_draco_header(const Primitive& primitive, std::uint64_t faces_left) const {
+    ZC_ASSIGN(const DracoCounts counts, read_draco_counts(primitive));
     // Edgebreaker's own count is of the connectivity's vertices, before or after splits; draco allows three a face.
-    const std::uint64_t vertices_most = edgebreaker ? 3 * faces_left : primitive.vertex_count;
-    if (faces > faces_left || vertices > vertices_most)
+    const std::uint64_t vertices_most = counts.edgebreaker ? 3 * faces_left : primitive.vertex_count;
+    if (counts.faces > faces_left || counts.vertices > vertices_most)
       return fault("Draco stream has more triangles or vertices than the index says");
     return {};
   }
@@ -277,7 +301,9 @@ class ZoneGlb {
 }  // namespace
 
 std::uint32_t decode_scratch_bound(std::uint32_t triangle_count, std::uint32_t vertex_count, std::uint64_t glb_bytes) {
-  return scratch(glb_bytes, triangle_count, vertex_count, glb_bytes, table_bound(vertex_count, glb_bytes));
+  const std::uint64_t stream =
+      stream_scratch(triangle_count, vertex_count, glb_bytes, table_bound(vertex_count, glb_bytes));
+  return scratch(glb_bytes, stream, triangle_count, vertex_count);
 }
 
 std::uint32_t decode_scratch_bytes(std::span<const std::byte> glb, const NodeRecord& node) {
