@@ -273,7 +273,10 @@ INSTANTIATE_TEST_SUITE_P(Files, RealCity,
                          ::testing::Values(RealFile{"bayreuth.city.jsonl", 91'686, 7'652, 89517999.852},
                                            RealFile{"ingolstadt/ingolstadt.city.json", 155'520, 55, 230355.955},
                                            RealFile{"delft.city.json", 36'269, 570, 77526.088},
-                                           RealFile{"rotterdam/rotterdam_subset.json", 622, 16, 10636.278}));
+                                           RealFile{"rotterdam/rotterdam_subset.json", 622, 16, 10636.278}),
+                         [](const auto& file) {
+                           return std::filesystem::path(file.param.name).stem().stem().string();
+                         });
 
 }  // namespace
 }  // namespace zc::test
