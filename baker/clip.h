@@ -24,7 +24,7 @@ struct EdgeSplit {
   LatticePoint b;
   LatticePoint point;
 
-  auto operator<=>(const EdgeSplit&) const = default;
+  auto operator<=>(const EdgeSplit&) const = default;  // NOLINT(modernize-use-nullptr): sees one in here
 };
 
 struct ClipResult {

@@ -18,7 +18,7 @@ LatticeMesh cluster_vertices(const LatticeMesh& mesh, const std::vector<bool>& l
   for (std::uint32_t i = 0; i < mesh.vertices.size(); ++i) {
     if (locked[i]) continue;
     LatticePoint cell = mesh.vertices[i];
-    for (std::int32_t& c : cell) c >>= cell_log2;
+    for (std::int32_t& c : cell) c >>= static_cast<int>(cell_log2);
     members.push_back({cell, i});
   }
   std::sort(members.begin(), members.end());

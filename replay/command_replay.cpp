@@ -112,6 +112,8 @@ Status run(const Arguments& arguments) {
     ZC_TRY(write_file(options.out / "stats.json", std::as_bytes(std::span(text))));
   }
   print_summary(report);
+  if (report.validation_messages > 0)
+    return Error{ErrorCode::kDevice, std::to_string(report.validation_messages) + " Vulkan validation messages"};
   return {};
 }
 
@@ -165,7 +167,8 @@ void add_replay(CLI::App& app, const SetCommand& set) {
       ->add_option("--host-budget", a->host_budget, "Memory of the stand-in host's full-detail zones, outside the cap")
       ->capture_default_str();
   command->add_option("--device", a->device, "Part of the Vulkan device's name");
-  command->add_flag("--validate", a->validate, "Vulkan validation layers with synchronisation validation");
+  command->add_flag("--validate", a->validate,
+                    "Vulkan validation layers with synchronisation validation; exit 1 when they say anything");
   command->add_flag("--leave-nothing-out", a->leave_nothing_out, "Run the general pipeline, to measure what is saved");
   command->callback([=] { set([=] { return run(*a); }); });
 }

@@ -90,6 +90,7 @@ void emit_wall(MeshBuilder& mesh, Vec2 a, Vec2 b, double z0, double z1, std::spa
   };
   const auto chain = [&](const std::vector<double>& us, double z) {
     std::vector<Vec3> points;
+    points.reserve(us.size());
     for (const double u : us) points.push_back(at(u, z));
     return points;
   };

@@ -40,7 +40,8 @@ Result<glm::dmat4> local_transform(const GltfFile& file, const tinygltf::Node& n
   glm::dmat4 matrix(1);
   if (!node.matrix.empty()) {
     for (int column = 0; column < 4; ++column)
-      for (int row = 0; row < 4; ++row) matrix[column][row] = node.matrix[static_cast<std::size_t>(4 * column + row)];
+      for (int row = 0; row < 4; ++row)
+        matrix[column][row] = node.matrix[4 * static_cast<std::size_t>(column) + static_cast<std::size_t>(row)];
     return matrix;
   }
   if (!node.rotation.empty()) {
