@@ -53,11 +53,11 @@ void split(Subtree& tree, const CellGrid& grid, std::uint32_t leaf_triangles) {
     parts[i]->zone.cell_y = 2 * tree.zone.cell_y + (i >> 1U);
   }
   auto columns = clip_faces(tree.cut, 0, static_cast<std::int32_t>(middle[0]), grid, tree.splits);
-  tree.cut = {};
+  tree.cut = std::vector<LooseFace>();  // `= {}` would keep its memory
   for (std::size_t x = 0; x < 2; ++x) {
     auto& column = x == 0 ? columns.low : columns.high;
     auto rows = clip_faces(column, 1, static_cast<std::int32_t>(middle[1]), grid, tree.splits);
-    column = {};
+    column = std::vector<LooseFace>();
     parts[x]->cut = std::move(rows.low);
     parts[x + 2]->cut = std::move(rows.high);
   }
@@ -66,7 +66,7 @@ void split(Subtree& tree, const CellGrid& grid, std::uint32_t leaf_triangles) {
     const std::size_t y = object.center[1] >= middle[1] ? 2 : 0;
     parts[x + y]->whole.push_back(object);
   }
-  tree.whole = {};
+  tree.whole = std::vector<WholeObject>();
   for (auto& part : parts)
     if (triangles_in(*part) > 0) tree.children.push_back(std::move(part));
   tbb::parallel_for(std::size_t{0}, tree.children.size(),
@@ -75,7 +75,7 @@ void split(Subtree& tree, const CellGrid& grid, std::uint32_t leaf_triangles) {
 
 void collect_splits(Subtree& tree, std::vector<EdgeSplit>& out) {
   out.insert(out.end(), tree.splits.begin(), tree.splits.end());
-  tree.splits = {};
+  tree.splits = std::vector<EdgeSplit>();
   for (auto& child : tree.children) collect_splits(*child, out);
 }
 
@@ -97,7 +97,7 @@ LatticeMesh leaf_mesh(Subtree& leaf, const SnappedScene& scene, const std::vecto
       mesh.faces.push_back(face);
     }
   }
-  leaf.cut = {};
+  leaf.cut = std::vector<LooseFace>();
   clean(mesh);
   return mesh;
 }

@@ -5,8 +5,11 @@
 #include <stdio.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 #include <utility>
 
 #include "base/file.h"
@@ -16,6 +19,9 @@ namespace zc {
 namespace {
 
 namespace fs = std::filesystem;
+
+// All that a bake writes at the top of a world.
+constexpr std::array<std::string_view, 4> kWorldEntries = {kWorldIndexName, "tileset.json", "bake.json", "zones"};
 
 Error io_error(const fs::path& path, const std::string& what, const std::error_code& code) {
   return {ErrorCode::kIo, what + ": " + code.message(), path.string()};
@@ -51,6 +57,12 @@ Result<WorldWriter> WorldWriter::open(const fs::path& out) {
     if (code) return io_error(out, "cannot read", code);
     if (!is_empty && !fs::is_regular_file(target / kWorldIndexName, code))
       return Error{ErrorCode::kArgument, "is a directory that holds something else than a world", out.string()};
+    // The old world goes as a whole: nothing of the user's may lie in it, an input or a replay's pictures, say.
+    for (fs::directory_iterator entry(target, code), end; !code && entry != end; entry.increment(code))
+      if (std::ranges::find(kWorldEntries, entry->path().filename().string()) == kWorldEntries.end())
+        return Error{ErrorCode::kArgument, "holds something besides a world: " + entry->path().filename().string(),
+                     out.string()};
+    if (code) return io_error(out, "cannot read", code);
   }
   fs::create_directories(target.parent_path(), code);
   if (code) return io_error(target.parent_path(), "cannot create", code);

@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 namespace zc {
 namespace {
@@ -15,7 +16,7 @@ Error io_error(const std::filesystem::path& path, const char* what) {
   return {ErrorCode::kIo, std::string(what) + ": " + std::strerror(errno), path.string()};
 }
 
-// Closes on scope exit; errors of close() matter only after writing, where fsync has already reported them.
+// Closes on scope exit; after writing, finish() does, for a network file system may refuse the bytes only then.
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
@@ -25,6 +26,7 @@ class Descriptor {
     if (fd_ >= 0) ::close(fd_);
   }
   [[nodiscard]] int get() const { return fd_; }
+  [[nodiscard]] bool finish() { return ::close(std::exchange(fd_, -1)) == 0; }
 
  private:
   int fd_;
@@ -70,7 +72,7 @@ Status write_file(const std::filesystem::path& path, std::span<const std::byte> 
   std::filesystem::path temporary = path;
   temporary += ".tmp" + std::to_string(::getpid());
   {
-    const Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+    Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
     if (file.get() < 0) return io_error(path, "cannot create");
     std::size_t done = 0;
     while (done < bytes.size()) {
@@ -82,6 +84,11 @@ Status write_file(const std::filesystem::path& path, std::span<const std::byte> 
         return error;
       }
       done += static_cast<std::size_t>(put);
+    }
+    if (!file.finish()) {
+      Error error = io_error(path, "cannot write");
+      ::unlink(temporary.c_str());
+      return error;
     }
   }
   if (::rename(temporary.c_str(), path.c_str()) != 0) {

@@ -22,7 +22,8 @@ Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, std:
 // [offset_bytes, offset_bytes + out.size()) of the file. Fails on a short read.
 Status read_range(const std::filesystem::path& path, std::uint64_t offset_bytes, std::span<std::byte> out);
 
-// Writes beside `path` under a temporary name, flushes, renames: the file is whole or as it was.
+// Writes beside `path` under a temporary name, closes, renames: the file is whole or as it was, whatever kills the
+// process. Nothing is forced to the disk: a power cut may still undo it.
 Status write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
 }  // namespace zc

@@ -89,7 +89,9 @@ Result<CameraPath> read_shots(std::string_view text, const std::string& file) {
       path.push_back(std::move(sample));
     }
   } catch (const nlohmann::json::exception& fault) {
-    return Error{ErrorCode::kFormat, std::string("not a shots file: ") + fault.what(), file};
+    std::string cause = fault.what();  // "[json.exception…] cause"
+    if (const std::size_t end = cause.find("] "); end != std::string::npos) cause.erase(0, end + 2);
+    return Error{ErrorCode::kFormat, "not a shots file: " + cause, file};
   }
   return path;
 }

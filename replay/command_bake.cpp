@@ -30,7 +30,13 @@ Status run(const Arguments& arguments) {
   const std::vector<std::filesystem::path> inputs(arguments.inputs.begin(), arguments.inputs.end());
   ZC_ASSIGN(Scene scene, import_inputs(inputs, {}));
   const std::chrono::duration<double> import_s = std::chrono::steady_clock::now() - started;
-  ZC_ASSIGN(const BakeReport report, bake_world(std::move(scene), import_s.count(), options, arguments.out));
+  Result<BakeReport> baked = bake_world(std::move(scene), import_s.count(), options, arguments.out);
+  if (!baked) {
+    Error error = std::move(baked).error();  // of the scene as a whole: its first file stands for it
+    if (error.path.empty() && error.code != ErrorCode::kArgument) error.path = arguments.inputs.front();
+    return error;
+  }
+  const BakeReport& report = *baked;
 
   std::size_t zones = 0;
   for (const NodeRecord& node : report.index.nodes) zones += node.is_detail() ? 1 : 0;

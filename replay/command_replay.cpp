@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <spdlog/spdlog.h>
 
+#include <cmath>
 #include <iomanip>
 #include <iostream>
 #include <map>
@@ -64,6 +65,8 @@ Result<ReplayOptions> to_options(const Arguments& a) {
   }
   if (a.clock == ClockKind::kWall && (options.streamer.source_latency_s > 0 || !a.bandwidth.empty()))
     return Error{ErrorCode::kArgument, "--source-latency and --source-bandwidth need --clock virtual"};
+  if (!std::isfinite(a.tolerance) || !std::isfinite(a.look_ahead_s))  // a range check lets NaN pass
+    return Error{ErrorCode::kArgument, "--tolerance and --look-ahead need finite numbers"};
   if (!a.frames.empty()) {
     ZC_ASSIGN(options.frames, parse_frames(a.frames));
   }

@@ -11,6 +11,7 @@ Result<FrameLog> FrameLog::create(const std::filesystem::path& file, bool with_r
   log.temporary_ = file;
   log.temporary_ += ".tmp";
   log.stream_.open(log.temporary_, std::ios::trunc);
+  log.stream_.precision(12);  // long paths keep their milliseconds
   log.stream_ << "frame,time_s,ledger_bytes,resident_page_bytes,resident_nodes,cover_nodes,selected_nodes,wanted_nodes,"
                  "missing_nodes,in_flight,loads,evictions";
   if (with_rays) {
@@ -49,10 +50,17 @@ Status FrameLog::add(std::uint64_t frame, const FrameStatistics& paging, const F
 
 Status FrameLog::close() {
   stream_.close();
-  if (!stream_) return Error{ErrorCode::kIo, "cannot write", file_.string()};
   std::error_code failure;
+  std::error_code ignored;
+  if (!stream_) {
+    std::filesystem::remove(temporary_, ignored);
+    return Error{ErrorCode::kIo, "cannot write", file_.string()};
+  }
   std::filesystem::rename(temporary_, file_, failure);
-  if (failure) return Error{ErrorCode::kIo, "cannot rename into place: " + failure.message(), file_.string()};
+  if (failure) {
+    std::filesystem::remove(temporary_, ignored);
+    return Error{ErrorCode::kIo, "cannot rename into place: " + failure.message(), file_.string()};
+  }
   return {};
 }
 

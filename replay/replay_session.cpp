@@ -44,7 +44,9 @@ Result<glm::dvec3> lattice_eye(const WorldIndex& index, const CameraSample& samp
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<std::size_t>(axis);
     lattice[axis] = sample.eye[axis] / index.step_m() - static_cast<double>(index.header.anchor[i]);
-    if (!(std::abs(lattice[axis]) < 2e9))
+    const double above = lattice[axis] - index.header.bounds_min[i];
+    const double below = index.header.bounds_max[i] - lattice[axis];
+    if (!(std::abs(lattice[axis]) < 2e9 && std::abs(above) < 2e9 && std::abs(below) < 2e9))
       return Error{ErrorCode::kUnsupported, "the camera at " + std::to_string(sample.time_s) +
                                                 " s lies too far from the world: do path and world share a CRS?"};
   }
@@ -151,7 +153,13 @@ class Session {
     host.include_detail = true;
     host.trace_limit_bytes = 0;
     host.on_failure = options_.on_failure;
-    ZC_ASSIGN(drawing_.host_streamer, Streamer::open(*source_, host, *drawing_.host_sink));
+    auto host_streamer = Streamer::open(*source_, host, *drawing_.host_sink);
+    if (!host_streamer) {
+      Error error = std::move(host_streamer).error();
+      if (error.code == ErrorCode::kBudget) error.message = "--host-budget: " + error.message;
+      return error;
+    }
+    drawing_.host_streamer = std::move(host_streamer).value();
 
     drawing_.proxy_table.emplace(*streamer_, *drawing_.proxies, options_.streamer.tolerance);
     drawing_.host_table.emplace(*drawing_.host_streamer, *drawing_.host, 0.0);
@@ -308,10 +316,13 @@ class Session {
       report_.host_bytes = drawing_.host_streamer->statistics().ledger.peak_bytes;
       report_.validation_messages = drawing_.device->validation_messages();
       if (!options_.leave_nothing_out) {
-        if (!mirrors_) report_.left_out.emplace_back("reflections: no material of this world mirrors");
         report_.left_out.emplace_back("gbuffer: zones outside the view");
-        if (options_.renderer.reflections != ReflectionMode::kScreenAndProxy)
+        report_.left_out.emplace_back("filter: every mirror is exactly specular");
+        if (!mirrors_) {
+          report_.left_out.emplace_back("hiz, ssr, trace, shade: no material of this world mirrors");
+        } else if (options_.renderer.reflections != ReflectionMode::kScreenAndProxy) {
           report_.left_out.emplace_back("hiz, ssr: not asked for");
+        }
       }
     } else {
       report_.left_out.emplace_back("render: not asked for");

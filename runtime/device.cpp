@@ -157,6 +157,8 @@ Status Device::create_device() {
   const auto family = std::ranges::find_if(families, [](const auto& f) { return (f.queueFlags & needed) == needed; });
   if (family == families.end()) return Error{ErrorCode::kDevice, name_ + " has no queue for both graphics and compute"};
   queue_family_ = static_cast<std::uint32_t>(family - families.begin());
+  const std::uint32_t bits = family->timestampValidBits;
+  timestamp_mask_ = bits >= 64 ? UINT64_MAX : (std::uint64_t{1} << bits) - 1;
 
   const float priority = 1.0F;
   VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};

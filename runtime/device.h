@@ -33,6 +33,12 @@ class Device {
   [[nodiscard]] const VkPhysicalDeviceLimits& limits() const { return properties_.limits; }
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const std::string& driver() const { return driver_; }
+  // Milliseconds between two timestamps, which may wrap; 0 where the queue has none.
+  [[nodiscard]] double elapsed_ms(std::uint64_t from_ticks, std::uint64_t to_ticks) const {
+    return static_cast<double>((to_ticks - from_ticks) & timestamp_mask_) *
+           static_cast<double>(properties_.limits.timestampPeriod) * 1e-6;
+  }
+  [[nodiscard]] bool has_timestamps() const { return timestamp_mask_ != 0; }
   // Warnings and errors of the validation layers so far; 0 when they are off.
   [[nodiscard]] std::uint64_t validation_messages() const { return validation_messages_; }
 
@@ -61,6 +67,7 @@ class Device {
   VkDevice device_ = VK_NULL_HANDLE;
   VkQueue queue_ = VK_NULL_HANDLE;
   std::uint32_t queue_family_ = 0;
+  std::uint64_t timestamp_mask_ = 0;
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;

@@ -8,7 +8,7 @@
 namespace zc {
 namespace {
 
-constexpr std::uint32_t kBindingCount = gpu::kBindIdentity + 1;
+constexpr std::uint32_t kBindingCount = gpu::kBindSurface + 1;
 
 VkDescriptorType type_of(std::uint32_t binding) {
   if (binding == gpu::kBindFrame) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
@@ -76,7 +76,7 @@ Status PassLayout::create() {
 
   const std::array sizes = {VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1},
                             VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, gpu::kBindOutput},
-                            VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 3}};
+                            VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 2}};
   VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool.maxSets = 1;
   pool.poolSizeCount = static_cast<std::uint32_t>(sizes.size());
@@ -165,10 +165,9 @@ Result<Pipeline> Pipeline::create_graphics(const Device& device, const PassLayou
   depth.depthCompareOp = VK_COMPARE_OP_GREATER_OR_EQUAL;
   VkPipelineColorBlendAttachmentState plain{};
   plain.colorWriteMask = 0xF;
-  const std::vector<VkPipelineColorBlendAttachmentState> attachments(graphics.color_attachments, plain);
   VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
-  blend.attachmentCount = graphics.color_attachments;
-  blend.pAttachments = attachments.data();
+  blend.attachmentCount = 1;
+  blend.pAttachments = &plain;
 
   VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
   info.stageCount = static_cast<std::uint32_t>(stages.size());

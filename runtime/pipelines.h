@@ -51,7 +51,6 @@ class Pipeline {
     std::span<const std::uint32_t> fragment;
     VkRenderPass render_pass = VK_NULL_HANDLE;
     VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-    std::uint32_t color_attachments = 1;
     bool depth_write = true;
     std::uint32_t width = 0;
     std::uint32_t height = 0;

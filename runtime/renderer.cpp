@@ -88,11 +88,19 @@ void Renderer::dispatch_indirect(VkCommandBuffer c, const Pipeline& pipeline, st
 }
 
 void Renderer::stamp(VkCommandBuffer c, std::uint32_t index) const {
-  vkCmdWriteTimestamp(c, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, index);
+  if (device_.has_timestamps()) vkCmdWriteTimestamp(c, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, index);
+}
+
+Status Renderer::read_stamps(std::span<std::uint64_t> ticks) const {
+  if (!device_.has_timestamps()) return {};
+  return vk_status(
+      vkGetQueryPoolResults(device_.handle(), queries_, 0, static_cast<std::uint32_t>(ticks.size()), ticks.size_bytes(),
+                            ticks.data(), sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+      "vkGetQueryPoolResults");
 }
 
 void Renderer::record_gbuffer(VkCommandBuffer c, std::span<const ZoneDraw> draws) const {
-  const std::array<VkClearValue, 3> clear = {};
+  const std::array<VkClearValue, 2> clear = {};
   VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
   begin.renderPass = gbuffer_pass_;
   begin.framebuffer = gbuffer_target_;
@@ -155,13 +163,11 @@ Result<FrameResult> Renderer::render(const RenderCamera& camera, std::span<const
 
   FrameResult result;
   std::memcpy(&result.counters, counters_readback_.mapped().data(), sizeof(gpu::Counters));
+  if (!trace) result.counters.pixel_count = 0;  // found, but no ray left them
   std::array<std::uint64_t, kPassCount + 1> ticks{};
-  ZC_VK(vkGetQueryPoolResults(device_.handle(), queries_, 0, kPassCount + 1, sizeof(ticks), ticks.data(),
-                              sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
-  const double ms_per_tick = static_cast<double>(device_.limits().timestampPeriod) * 1e-6;
-  for (std::size_t i = 0; i < kPassCount; ++i)
-    result.pass_ms[i] = static_cast<double>(ticks[i + 1] - ticks[i]) * ms_per_tick;
-  result.total_ms = static_cast<double>(ticks[kPassCount] - ticks[0]) * ms_per_tick;
+  ZC_TRY(read_stamps(ticks));
+  for (std::size_t i = 0; i < kPassCount; ++i) result.pass_ms[i] = device_.elapsed_ms(ticks[i], ticks[i + 1]);
+  result.total_ms = device_.elapsed_ms(ticks[0], ticks[kPassCount]);
   return result;
 }
 
@@ -247,10 +253,8 @@ Result<std::vector<gpu::HitRecord>> Renderer::trace(const RenderCamera& camera, 
   }));
   if (milliseconds != nullptr) {
     std::array<std::uint64_t, 2> ticks{};
-    ZC_VK(vkGetQueryPoolResults(device_.handle(), queries_, 0, 2, sizeof(ticks), ticks.data(), sizeof(std::uint64_t),
-                                VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT));
-    *milliseconds =
-        static_cast<double>(ticks[1] - ticks[0]) * static_cast<double>(device_.limits().timestampPeriod) * 1e-6;
+    ZC_TRY(read_stamps(ticks));
+    *milliseconds = device_.elapsed_ms(ticks[0], ticks[1]);
   }
   std::vector<gpu::HitRecord> hits(rays.size());
   std::memcpy(hits.data(), readback_.mapped().data(), hits.size() * sizeof(gpu::HitRecord));

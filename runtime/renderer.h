@@ -97,6 +97,7 @@ class Renderer {
                        const gpu::PassConstants& constants = {}) const;
   void dispatch_indirect(VkCommandBuffer c, const Pipeline& pipeline, std::size_t offset_bytes) const;
   void stamp(VkCommandBuffer c, std::uint32_t index) const;
+  Status read_stamps(std::span<std::uint64_t> ticks) const;  // the first ones; zeros where the queue has none
 
   Device& device_;
   const ZoneSet& proxies_;
@@ -107,7 +108,7 @@ class Renderer {
 
   Buffer frame_buffer_, materials_, hiz_, lit_, reflection_, provenance_, pixel_list_, rays_, hits_, counters_, output_;
   Buffer readback_, counters_readback_;
-  Image depth_, surface_, identity_, overlay_;
+  Image depth_, surface_, overlay_;
   VkRenderPass gbuffer_pass_ = VK_NULL_HANDLE;
   VkRenderPass overlay_pass_ = VK_NULL_HANDLE;
   VkFramebuffer gbuffer_target_ = VK_NULL_HANDLE;

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <string>
 
 #include "runtime/renderer.h"
 #include "runtime/shader_code.h"
@@ -11,7 +12,7 @@
 namespace zc {
 namespace {
 
-constexpr VkFormat kIdFormat = VK_FORMAT_R32G32_UINT;
+constexpr VkFormat kSurfaceFormat = VK_FORMAT_R32G32_UINT;
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr VkFormat kOverlayFormat = VK_FORMAT_R8G8B8A8_UNORM;
 
@@ -100,6 +101,11 @@ Renderer::~Renderer() {
 Status Renderer::create_buffers(std::span<const gpu::MaterialEntry> materials) {
   const VkDeviceSize pixels = VkDeviceSize{options_.width} * options_.height;
   const auto make = [&](Buffer& buffer, VkDeviceSize bytes, VkBufferUsageFlags usage, MemoryUse use) -> Status {
+    if ((usage & VK_BUFFER_USAGE_STORAGE_BUFFER_BIT) != 0 && bytes > device_.limits().maxStorageBufferRange)
+      return Error{ErrorCode::kDevice, "a picture of " + std::to_string(options_.width) + "x" +
+                                           std::to_string(options_.height) + " takes a buffer of " +
+                                           std::to_string(bytes) + " bytes, more than " + device_.name() + " binds (" +
+                                           std::to_string(device_.limits().maxStorageBufferRange) + ")"};
     ZC_ASSIGN(buffer, Buffer::create(device_, bytes, usage, use));
     return {};
   };
@@ -133,8 +139,9 @@ Status Renderer::create_buffers(std::span<const gpu::MaterialEntry> materials) {
   ZC_TRY(make(counters_, sizeof(gpu::Counters), storage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, MemoryUse::kDevice));
   ZC_TRY(make(output_, pixels * 4, storage, MemoryUse::kDevice));
   // Large enough for a picture and for the ray queue of trace().
-  ZC_TRY(make(readback_, pixels * sizeof(gpu::RayTask), storage, MemoryUse::kReadback));
-  ZC_TRY(make(counters_readback_, sizeof(gpu::Counters), storage, MemoryUse::kReadback));
+  constexpr VkBufferUsageFlags copied = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  ZC_TRY(make(readback_, pixels * sizeof(gpu::RayTask), copied, MemoryUse::kReadback));
+  ZC_TRY(make(counters_readback_, sizeof(gpu::Counters), copied, MemoryUse::kReadback));
   return {};
 }
 
@@ -144,23 +151,21 @@ Status Renderer::create_targets() {
   constexpr VkImageUsageFlags color = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
   constexpr VkImageUsageFlags copied =
       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-  ZC_ASSIGN(surface_, Image::create(device_, w, h, kIdFormat, color, VK_IMAGE_ASPECT_COLOR_BIT));
-  ZC_ASSIGN(identity_, Image::create(device_, w, h, kIdFormat, color, VK_IMAGE_ASPECT_COLOR_BIT));
+  ZC_ASSIGN(surface_, Image::create(device_, w, h, kSurfaceFormat, color, VK_IMAGE_ASPECT_COLOR_BIT));
   ZC_ASSIGN(depth_, Image::create(device_, w, h, kDepthFormat,
                                   VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT,
                                   VK_IMAGE_ASPECT_DEPTH_BIT));
   ZC_ASSIGN(overlay_, Image::create(device_, w, h, kOverlayFormat, copied, VK_IMAGE_ASPECT_COLOR_BIT));
 
   constexpr auto read = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
-  const std::array gbuffer = {attachment(kIdFormat, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_IMAGE_LAYOUT_UNDEFINED, read),
-                              attachment(kIdFormat, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_IMAGE_LAYOUT_UNDEFINED, read),
+  const std::array gbuffer = {attachment(kSurfaceFormat, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_IMAGE_LAYOUT_UNDEFINED, read),
                               attachment(kDepthFormat, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_IMAGE_LAYOUT_UNDEFINED, read)};
   ZC_ASSIGN(gbuffer_pass_, make_render_pass(device_, gbuffer));
   const std::array overlay = {attachment(kOverlayFormat, VK_ATTACHMENT_LOAD_OP_LOAD,
                                          VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL),
                               attachment(kDepthFormat, VK_ATTACHMENT_LOAD_OP_LOAD, read, read)};
   ZC_ASSIGN(overlay_pass_, make_render_pass(device_, overlay));
-  const std::array gbuffer_views = {surface_.view(), identity_.view(), depth_.view()};
+  const std::array gbuffer_views = {surface_.view(), depth_.view()};
   ZC_ASSIGN(gbuffer_target_, make_framebuffer(device_, gbuffer_pass_, gbuffer_views, w, h));
   const std::array overlay_views = {overlay_.view(), depth_.view()};
   ZC_ASSIGN(overlay_target_, make_framebuffer(device_, overlay_pass_, overlay_views, w, h));
@@ -189,7 +194,6 @@ Status Renderer::create_targets() {
   layout_.bind_buffer(gpu::kBindOutput, output_.handle());
   layout_.bind_sampled(gpu::kBindDepth, depth_.view(), read);
   layout_.bind_sampled(gpu::kBindSurface, surface_.view(), read);
-  layout_.bind_sampled(gpu::kBindIdentity, identity_.view(), read);
   return {};
 }
 
@@ -221,7 +225,6 @@ Status Renderer::create_pipelines() {
   zone.vertex = shader::draw_zone_vert();
   zone.fragment = shader::draw_zone_frag();
   zone.render_pass = gbuffer_pass_;
-  zone.color_attachments = 2;
   zone.width = options_.width;
   zone.height = options_.height;
   ZC_ASSIGN(draw_zone_, Pipeline::create_graphics(device_, layout_, zone));
@@ -230,7 +233,6 @@ Status Renderer::create_pipelines() {
   lines.fragment = shader::draw_lines_frag();
   lines.render_pass = overlay_pass_;
   lines.topology = VK_PRIMITIVE_TOPOLOGY_LINE_LIST;
-  lines.color_attachments = 1;
   lines.depth_write = false;
   ZC_ASSIGN(draw_lines_, Pipeline::create_graphics(device_, layout_, lines));
   return {};

@@ -20,8 +20,9 @@ Result<Buffer> Buffer::create(const Device& device, VkDeviceSize bytes, VkBuffer
   VkMemoryPropertyFlags required = mappable;
   VkMemoryPropertyFlags preferred = 0;
   if (use == MemoryUse::kDevice) {
+    // Without a CPU cache it is a discrete GPU's window: small on some, and slow to read on all.
     required = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
-    preferred = mappable;
+    preferred = mappable | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
   } else if (use == MemoryUse::kReadback) {
     preferred = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
   }

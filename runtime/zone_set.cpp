@@ -49,6 +49,7 @@ Status ZoneSet::create(std::uint64_t capacity_words, std::uint32_t max_zones) {
 
 Status ZoneSet::write(const Buffer& target, std::uint64_t offset_bytes, std::span<const std::byte> bytes) {
   ZC_CHECK(offset_bytes + bytes.size() <= target.bytes());
+  if (bytes.empty()) return {};  // the first tables are, and memcpy takes no null pointer
   if (!use_staging_) {
     std::memcpy(target.mapped().data() + offset_bytes, bytes.data(), bytes.size());
     return {};

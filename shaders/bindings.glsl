@@ -1,18 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The descriptor set that every pass shares.
-#extension GL_EXT_scalar_block_layout : disable
+// The descriptor set that the compute passes share.
+#include "scene_bindings.glsl"
 
-#include "shared/frame.h"
-#include "shared/page.h"
-#include "shared/scene.h"
-
-layout(set = 0, binding = kBindFrame, std140) uniform FrameBlock { FrameData frame; };
-layout(set = 0, binding = kBindProxyPool, std430) readonly buffer ProxyPool { uint proxy_pool[]; };
-layout(set = 0, binding = kBindProxyZones, std430) readonly buffer ProxyZones { ZoneEntry proxy_zones[]; };
-layout(set = 0, binding = kBindProxyTop, std430) readonly buffer ProxyTop { TopNode proxy_top[]; };
-layout(set = 0, binding = kBindHostPool, std430) readonly buffer HostPool { uint host_pool[]; };
-layout(set = 0, binding = kBindHostZones, std430) readonly buffer HostZones { ZoneEntry host_zones[]; };
-layout(set = 0, binding = kBindHostTop, std430) readonly buffer HostTop { TopNode host_top[]; };
 layout(set = 0, binding = kBindMaterials, std430) readonly buffer Materials { MaterialEntry materials[]; };
 layout(set = 0, binding = kBindHiz, std430) buffer Hiz { float hiz[]; };
 layout(set = 0, binding = kBindLit, std430) buffer Lit { uvec2 lit[]; };
@@ -25,6 +14,3 @@ layout(set = 0, binding = kBindCounters, std430) buffer CounterBlock { Counters 
 layout(set = 0, binding = kBindOutput, std430) buffer Output { uint output_rgba[]; };
 layout(set = 0, binding = kBindDepth) uniform sampler2D depth_image;
 layout(set = 0, binding = kBindSurface) uniform usampler2D surface_image;
-layout(set = 0, binding = kBindIdentity) uniform usampler2D identity_image;
-
-layout(push_constant) uniform PassBlock { PassConstants pass_constants; };

@@ -3,7 +3,7 @@
 // (6 vertices a triangle), 1 the boxes of the leaves (48 vertices a node: two children, twelve edges).
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "bindings.glsl"
+#include "scene_bindings.glsl"
 
 #define PAGE_NAME(x) proxy_##x
 #define POOL proxy_pool

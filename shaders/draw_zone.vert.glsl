@@ -2,15 +2,14 @@
 // The host's G-buffer: pulls a zone's triangles straight from its page; one draw a zone, the slot is the instance.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "bindings.glsl"
-#include "surface.glsl"
+#include "scene_bindings.glsl"
+#include "octahedral.glsl"
 
 #define PAGE_NAME(x) host_##x
 #define POOL host_pool
 #include "page_fetch.glsl"
 
 layout(location = 0) flat out uvec2 out_surface;
-layout(location = 1) flat out uvec2 out_identity;
 
 void main() {
   const uint triangle = gl_VertexIndex / 3;
@@ -26,5 +25,4 @@ void main() {
   const vec3 p = (corner == 0u ? a : (corner == 1u ? b : c)) * frame.sun_radiance.w;
   gl_Position = frame.view_projection * vec4(p, 1.0);
   out_surface = uvec2(pack_normal(l > 0.0 ? n / l : vec3(0, 0, 1)), material);
-  out_identity = uvec2(uint(gl_InstanceIndex) + 1u, triangle);
 }

@@ -11,6 +11,7 @@
 #include "shading.glsl"
 
 layout(local_size_x = 64) in;
+#include "list_index.glsl"
 layout(constant_id = 1) const uint kUseScreen = 1u;
 
 const uint kHit = 0u;
@@ -65,7 +66,7 @@ March march_screen(Surface s, vec3 direction) {
   const vec2 reciprocal = vec2(abs(delta.x) > 1e-6 ? 1.0 / delta.x : 1e30, abs(delta.y) > 1e-6 ? 1.0 / delta.y : 1e30);
   const vec2 forward_side = vec2(delta.x > 0.0 ? 1.0 : 0.0, delta.y > 0.0 ? 1.0 : 0.0);
   const vec2 border = (forward_side * vec2(frame.size.xy) - p0.xy) * reciprocal;
-  const float s_border = min(delta.x != 0.0 ? border.x : 1e30, delta.y != 0.0 ? border.y : 1e30);
+  const float s_border = min(abs(delta.x) > 1e-6 ? border.x : 1e30, abs(delta.y) > 1e-6 ? border.y : 1e30);
   const float s_end = min(1.0, s_border);
   const float nudge = 0.002 / reach;
   const float k0 = 1.0 / z0;
@@ -99,7 +100,7 @@ March march_screen(Surface s, vec3 direction) {
         const vec2 meet = project(from_eye + direction * t).xy;
         const vec2 off = abs(meet - (vec2(cell) + 0.5));
         const float pixels_off = max(off.x, off.y);
-        if (!h.sky && facing < 0.0 && t > 0.0 && pixels_off <= 1.5 &&
+        if (!h.sky && facing < 0.0 && t > 0.0 && z0 + dz * t > frame.eye.w && pixels_off <= 1.5 &&
             (pixels_off <= 0.55 || same_plane(h, p0.xy + delta.xy * (at - nudge), footprint_m))) {
           result.end = kHit;
           result.pixel = ivec2(cell);
@@ -121,7 +122,7 @@ March march_screen(Surface s, vec3 direction) {
 }
 
 void main() {
-  const uint i = gl_GlobalInvocationID.x;
+  const uint i = list_index();
   if (i >= counters.pixel_count) return;
   const uint index = pixels[i];
   const ivec2 pixel = ivec2(index % frame.size.x, index / frame.size.x);
@@ -147,6 +148,6 @@ void main() {
     const vec3 origin = s.position + s.normal * start_m;
     rays[atomicAdd(counters.ray_count, 1u)] =
         RayTask(origin.x, origin.y, origin.z, march.t * 0.998, direction.x, direction.y, direction.z, frame.forward.w,
-                s.normal.x, s.normal.y, s.normal.z, index);
+                s.outward.x, s.outward.y, s.outward.z, index);
   }
 }

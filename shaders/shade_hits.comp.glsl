@@ -11,9 +11,10 @@ layout(constant_id = 2) const uint kTraceHost = 0u;
 #include "proxy_set.glsl"
 
 layout(local_size_x = 64) in;
+#include "list_index.glsl"
 
 void main() {
-  const uint i = gl_GlobalInvocationID.x;
+  const uint i = list_index();
   if (i >= counters.ray_count) return;
   const RayTask task = rays[i];
   const HitRecord hit = hits[i];
@@ -38,14 +39,14 @@ void main() {
       zone = proxy_zones[hit.zone];
       proxy_fetch_triangle(zone, proxy_zone_offset(zone), hit.triangle, a, b, c, material);
     }
-    vec3 normal = normalize(cross(b - a, c - a));
-    if (dot(normal, direction) > 0.0) normal = -normal;
+    const vec3 outward = normalize(cross(b - a, c - a));
+    const vec3 normal = dot(outward, direction) > 0.0 ? -outward : outward;
     float visibility = 0.0;
     if (dot(normal, frame.sun_direction.xyz) > 0.0) {
       const vec3 position = vec3(task.origin_x, task.origin_y, task.origin_z) + direction * hit.t;
       const float start_m = 2e-3 + 2e-5 * hit.t;
       const TraceRay ray =
-          TraceRay(position + normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w, normal);
+          TraceRay(position + normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w, outward);
       const uint blocker = kTraceHost != 0u ? host_trace(ray, true).zone : proxy_trace(ray, true).zone;
       visibility = blocker == kNoZone ? 1.0 : 0.0;
     }

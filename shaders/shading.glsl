@@ -28,7 +28,7 @@ vec3 sky_radiance(vec3 d) {
   const float glow = 0.25 * pow(toward_sun, 12.0);
   const float disc = 12.0 * smoothstep(0.99985, 0.99995, toward_sun);
   color += (glow + disc) * vec3(1.0, 0.85, 0.65);
-  return mix(color, vec3(0.42, 0.44, 0.46), smoothstep(0.0, -0.12, d.z));
+  return mix(vec3(0.42, 0.44, 0.46), color, smoothstep(-0.12, 0.0, d.z));  // the lower edge first, or it is undefined
 }
 
 // Share of a material's specular light that reads as a mirror image; rough surfaces keep only diffuse light.

@@ -1,20 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The G-buffer's surface: how it is packed, and how a pixel becomes a position, a normal and a material.
 
-// Octahedral unit vectors (Cigolle et al. 2014, section 2), 16 bits a component.
-uint pack_normal(vec3 n) {
-  n /= abs(n.x) + abs(n.y) + abs(n.z);
-  vec2 p = n.xy;
-  if (n.z < 0.0) p = (1.0 - abs(n.yx)) * vec2(n.x >= 0.0 ? 1.0 : -1.0, n.y >= 0.0 ? 1.0 : -1.0);
-  return packSnorm2x16(p);
-}
-
-vec3 unpack_normal(uint bits) {
-  vec2 p = unpackSnorm2x16(bits);
-  vec3 n = vec3(p, 1.0 - abs(p.x) - abs(p.y));
-  if (n.z < 0.0) n.xy = (1.0 - abs(n.yx)) * vec2(n.x >= 0.0 ? 1.0 : -1.0, n.y >= 0.0 ? 1.0 : -1.0);
-  return normalize(n);
-}
+#include "octahedral.glsl"
 
 // Direction through a point of the image, in pixels; not normalised: its component along `forward` is 1.
 vec3 view_direction(vec2 pixel) {
@@ -26,6 +13,7 @@ struct Surface {
   bool sky;
   vec3 position;  // metres, relative to camera_lattice
   vec3 normal;    // unit, towards the viewer
+  vec3 outward;   // unit, as the model winds the face
   vec3 view;      // unit, from the eye to the surface
   float distance_m;  // along the view axis
   uint material;
@@ -40,8 +28,8 @@ Surface load_surface(ivec2 pixel) {
   s.distance_m = frame.eye.w / max(depth, 1e-12);
   s.position = frame.eye.xyz + direction * s.distance_m;
   const uvec2 packed_surface = texelFetch(surface_image, pixel, 0).xy;
-  s.normal = unpack_normal(packed_surface.x);
-  if (dot(s.normal, s.view) > 0.0) s.normal = -s.normal;
+  s.outward = unpack_normal(packed_surface.x);
+  s.normal = dot(s.outward, s.view) > 0.0 ? -s.outward : s.outward;
   s.material = packed_surface.y;
   return s;
 }

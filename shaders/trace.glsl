@@ -3,12 +3,16 @@
 
 layout(constant_id = 0) const int kStackSize = 64;  // from the data: deepest page + deepest top level
 
+// Nodes and leaves a ray may visit; a heavy ray of a city takes some two hundred. With up to eight triangles a leaf this
+// stays below the 65,535 iterations over all loops after which lavapipe ends them silently.
+const int kStepLimit = 4096;
+
 struct TraceRay {
   vec3 origin;  // metres, relative to camera_lattice
   float t_min;
   vec3 direction;  // unit
   float t_max;
-  vec3 plane;  // normal of the surface that the ray leaves, or zero
+  vec3 plane;  // normal, as the model winds it, of the surface that the ray leaves; or zero
 };
 
 // A finite reciprocal that keeps the sign of zero, so that the slab test never meets 0 * inf.

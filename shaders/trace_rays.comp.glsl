@@ -9,9 +9,10 @@ layout(constant_id = 2) const uint kTraceHost = 0u;
 #include "proxy_set.glsl"
 
 layout(local_size_x = 64) in;
+#include "list_index.glsl"
 
 void main() {
-  const uint i = gl_GlobalInvocationID.x;
+  const uint i = list_index();
   if (i >= counters.ray_count) return;
   const RayTask task = rays[i];
   const TraceRay ray =

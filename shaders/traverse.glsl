@@ -7,11 +7,12 @@
 #include "page_fetch.glsl"
 
 // A hit on the surface that the ray itself leaves, seen through a proxy that lies up to `error_m` off it, is no hit: the
-// proxy's measured error bound decides, not a constant (the thesis's self-reflection fault).
+// proxy's measured error bound decides, not a constant (the thesis's self-reflection fault). Such a face winds as the
+// surface does; a façade across the street winds against it and counts however coarse the proxy is.
 bool PAGE_NAME(own_surface)(TraceRay ray, float t_m, float error_m, vec3 a, vec3 b, vec3 c) {
   const float height_m = abs(t_m * dot(ray.direction, ray.plane));
   const vec3 n = cross(b - a, c - a);
-  return height_m <= error_m && abs(dot(n, ray.plane)) > 0.7 * length(n);
+  return height_m <= error_m && dot(n, ray.plane) > 0.7 * length(n);
 }
 
 // any: stop at the first hit. A ray that reaches the step bound comes back as kHitLost.
@@ -31,7 +32,7 @@ HitRecord PAGE_NAME(trace)(TraceRay ray, bool any) {
   uint ref = 0u;  // top level's root
   int steps = 0;
   bool done = false;
-  for (; !done && steps < 60000; ++steps) {
+  for (; !done && steps < kStepLimit; ++steps) {
     uint next = kRefNone;
     if ((ref & kRefLeaf) == 0u) {
       const TopNode node = TOP[ref];
@@ -62,7 +63,7 @@ HitRecord PAGE_NAME(trace)(TraceRay ray, bool any) {
       const int floor_sp = sp;
       uint inner = 0u;
       bool in_zone = true;
-      for (; in_zone && steps < 60000; ++steps) {
+      for (; in_zone && steps < kStepLimit; ++steps) {
         uint inner_next = kRefNone;
         if ((inner & kRefLeaf) == 0u) {
           const uint base = zone.page_word + kPageHeaderWords + inner * kBvhNodeWords;
@@ -121,6 +122,7 @@ HitRecord PAGE_NAME(trace)(TraceRay ray, bool any) {
           inner = stack[--sp];
         }
       }
+      if (in_zone) break;  // the step bound, inside a zone: lost, even where nothing else is on the stack
     }
     if (next != kRefNone) {
       ref = next;

@@ -52,7 +52,10 @@ std::uint64_t belady_reloads(std::span<const std::uint32_t> trace, std::span<con
   // next_use[w]: word of the node's next addition after word w.
   std::vector<std::uint32_t> next_use(trace.size(), kNever);
   {
+    std::size_t step_count = 0;
+    for (std::size_t at = 0; at < trace.size(); at += trace[at] + 1) ++step_count;
     std::vector<std::size_t> steps;
+    steps.reserve(step_count);  // growing by doubling would take more than the ledger counts
     for (std::size_t at = 0; at < trace.size(); at += trace[at] + 1) steps.push_back(at);
     std::vector<std::uint32_t> upcoming(node_bytes.size(), kNever);
     for (auto step = steps.rbegin(); step != steps.rend(); ++step) {

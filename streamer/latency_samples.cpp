@@ -27,7 +27,8 @@ LatencySummary LatencySamples::summary() const {
   std::sort(sorted.begin(), sorted.end());
   const auto rank = [&](double share) {
     const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
-    return static_cast<double>(sorted[std::clamp<std::size_t>(at, 1, sorted.size()) - 1]);
+    const double ms = static_cast<double>(sorted[std::clamp<std::size_t>(at, 1, sorted.size()) - 1]);
+    return std::min(ms, max_ms_);  // samples are floats: one may have been rounded up
   };
   out.p50_ms = rank(0.50);
   out.p95_ms = rank(0.95);

@@ -2,6 +2,7 @@
 #include "streamer/load_workers.h"
 
 #include <algorithm>
+#include <system_error>
 
 #include "streamer/page_loader.h"
 
@@ -9,7 +10,14 @@ namespace zc {
 
 LoadWorkers::LoadWorkers(Source& source, const WorldIndex& index, unsigned threads, std::uint64_t scratch_bytes)
     : source_(source), index_(index), scratch_free_bytes_(scratch_bytes) {
-  for (unsigned i = 0; i < std::max(threads, 1U); ++i) threads_.emplace_back([this] { work(); });
+  for (unsigned i = 0; i < std::max(threads, 1U); ++i) {
+    try {
+      threads_.emplace_back([this] { work(); });
+    } catch (const std::system_error&) {  // the system has no more: go on with fewer
+      if (threads_.empty()) throw;
+      break;
+    }
+  }
 }
 
 LoadWorkers::~LoadWorkers() {

@@ -479,7 +479,7 @@ Result<std::unique_ptr<Streamer>> Streamer::open(Source& source, const StreamerO
     const std::optional<Reservation> raw = ledger->try_reserve(LedgerClass::kInFlight, file.size());
     const std::optional<Reservation> decoded = ledger->try_reserve(LedgerClass::kIndex, index.resident_bytes());
     ZC_CHECK(raw && decoded);
-    file = {};
+    file = std::vector<std::byte>();  // `= {}` would keep its memory
   }
   auto impl = std::make_unique<Impl>(source, sink, options, std::move(ledger), std::move(index), plan);
   ZC_TRY(impl->start());

@@ -61,8 +61,10 @@ Result<nlohmann::json> parse_json(std::string_view text, const std::string& path
       if (const std::size_t colon = cause.find(": ", column); colon != std::string::npos) cause.erase(0, colon + 2);
     const std::int64_t at = fault.byte > 0 ? static_cast<std::int64_t>(fault.byte) - 1 : 0;
     return Error{ErrorCode::kFormat, "malformed JSON: " + one_line(cause), path, base_offset + at};
-  } catch (const nlohmann::json::exception& fault) {
-    return Error{ErrorCode::kFormat, "malformed JSON: " + one_line(fault.what()), path, base_offset};
+  } catch (const nlohmann::json::exception& fault) {  // a number too large; "[json.exception…] cause" -> "cause"
+    std::string cause = fault.what();
+    if (const std::size_t end = cause.find("] "); end != std::string::npos) cause.erase(0, end + 2);
+    return Error{ErrorCode::kFormat, "malformed JSON: " + one_line(cause), path, base_offset};
   }
 }
 

@@ -43,7 +43,6 @@ ZC_CONST(uint, kBindCounters, 15u);
 ZC_CONST(uint, kBindOutput, 16u);    // uint a pixel: RGBA8 sRGB
 ZC_CONST(uint, kBindDepth, 17u);     // sampled: reversed-Z depth
 ZC_CONST(uint, kBindSurface, 18u);   // sampled: octahedral normal, material
-ZC_CONST(uint, kBindIdentity, 19u);  // sampled: zone slot + 1, triangle
 
 ZC_CONST(uint, kHizLevels, 12u);
 
@@ -69,7 +68,7 @@ struct RayTask {
   float dir_y;
   float dir_z;
   float t_max;
-  float plane_x;  // normal of the surface that the ray leaves; zero: no surface, every hit counts
+  float plane_x;  // normal, as wound, of the surface that the ray leaves; zero: no surface, every hit counts
   float plane_y;
   float plane_z;
   uint pixel;

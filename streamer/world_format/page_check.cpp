@@ -99,7 +99,8 @@ class PageCheck {
       const std::size_t word = node_word(entry.node);
       if (entry.depth > header_.depth) return fault("deeper than its header says", word);
       const std::array<Child, 2> both = children(node(entry.node));
-      if (both[0].ref == gpu::kRefNone && both[1].ref == gpu::kRefNone) return fault("a node without children", word);
+      // The traversal takes the first child as given: a single child is the first.
+      if (both[0].ref == gpu::kRefNone) return fault("a node without a first child", word);
       for (const Child& child : both) {
         if (child.ref == gpu::kRefNone) continue;
         if ((child.ref & gpu::kRefLeaf) != 0) {

@@ -121,6 +121,38 @@ TEST_P(Mirror, ShowsWhatIsOffTheScreen) {
   std::printf("%zu mirror pixels, %zu wrong, mean difference %.3f\n", c.mirror_pixels, c.wrong, c.mean_difference);
 }
 
+// A row of mirror façades and a row of red ones across the street, seen through proxies far coarser than the street is
+// wide: the red ones must still be met, for they wind against the mirror.
+TEST(CoarseProxies, AreNotTakenForTheSurfaceThatARayLeaves) {
+  test::SceneMaker maker;
+  maker.scene.materials.push_back({"mirror", {1, 1, 1}, 0.01F, 1});
+  maker.scene.materials.push_back({"red", {0.7F, 0.05F, 0.05F}, 1, 0});
+  const auto wall = [&](double y, double facing, std::uint16_t material) {
+    if (facing > 0) {
+      maker.quad({30, y, 0}, {-30, y, 0}, {-30, y, 12}, {30, y, 12}, material);
+    } else {
+      maker.quad({-30, y, 0}, {30, y, 0}, {30, y, 12}, {-30, y, 12}, material);
+    }
+    maker.object(ObjectKind::kObject);
+  };
+  wall(10, -1, 4);   // mirror, towards -y
+  wall(-10, +1, 5);  // red, towards +y
+  RendererOptions options;
+  options.width = 160;
+  options.height = 120;
+  options.reflections = ReflectionMode::kProxy;
+  test::RenderedWorld world;
+  const Status opened = world.open(std::move(maker.scene), {}, options, /*claimed_error_m=*/100.0F);
+  ASSERT_TRUE(opened.ok()) << opened.error().describe();
+  const auto frame = world.render(world.camera({0.1, -5.2, 6.3}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}));
+  ASSERT_TRUE(frame.ok());
+  EXPECT_EQ(frame->counters.pixel_count, frame->counters.rays_proxy + frame->counters.rays_sky);
+  EXPECT_GT(frame->counters.rays_proxy, frame->counters.pixel_count / 4);
+  // And a proxy that lies behind the mirror's own surface is not met from it: no mirror shows itself.
+  const auto middle = world.renderer().pixels().subspan((60 * 160 + 80) * 4, 3);
+  EXPECT_GT(static_cast<int>(middle[0]), 2 * static_cast<int>(middle[1]));
+}
+
 INSTANTIATE_TEST_SUITE_P(Modes, Mirror,
                          testing::Values(ReflectionMode::kScreenAndProxy, ReflectionMode::kProxy,
                                          ReflectionMode::kFull),

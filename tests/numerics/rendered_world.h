@@ -26,7 +26,9 @@ class RenderedWorld {
   }
 
   // Every zone resident at its finest proxy; the host set holds the full detail.
-  Status open(Scene scene, const BakeOptions& bake, RendererOptions options) {
+  // claimed_error_m: what the zone table says of the proxies' error instead of what was measured.
+  Status open(Scene scene, const BakeOptions& bake, RendererOptions options,
+              std::optional<float> claimed_error_m = std::nullopt) {
     std::string pattern = (std::filesystem::temp_directory_path() / "zonecast-numerics-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr) return Error{ErrorCode::kIo, "no temporary folder", pattern};
     folder_ = pattern;
@@ -53,6 +55,7 @@ class RenderedWorld {
     host_table_.emplace(*host_streamer_, *host_, paging.tolerance);
     ZC_TRY(proxy_table_->update(view));
     ZC_TRY(host_table_->update(view));
+    if (claimed_error_m) ZC_TRY(claim_error(*claimed_error_m));
     std::vector<gpu::MaterialEntry> materials;
     for (const MaterialRecord& m : index().materials)
       materials.push_back({m.base_color[0], m.base_color[1], m.base_color[2], m.roughness, m.metallic, m.flags, 0, 0});
@@ -90,6 +93,18 @@ class RenderedWorld {
   [[nodiscard]] const Device& device() const { return *device_; }
 
  private:
+  Status claim_error(float error_m) {
+    std::vector<gpu::ZoneEntry> entries;
+    std::vector<ZoneBounds> bounds;
+    for (const std::uint32_t id : streamer_->cover()) {
+      const NodeRecord& node = index().nodes[id];
+      entries.push_back({node.origin[0], node.origin[1], node.origin[2], node.step_shift,
+                         static_cast<std::uint32_t>(streamer_->page_offset_words(id)), id, error_m, 0});
+      bounds.push_back({node.bounds_min, node.bounds_max});
+    }
+    return proxies_->set_zones(entries, bounds);
+  }
+
   std::filesystem::path folder_;
   std::unique_ptr<Source> source_;
   std::unique_ptr<Device> device_;

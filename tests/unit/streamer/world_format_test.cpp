@@ -209,6 +209,17 @@ TEST(Page, check_finds_wrong_boxes_references_depths_and_materials) {
   EXPECT_TRUE(refused(8 + 6, gpu::kRefLeaf | 9U << gpu::kRefCountShift));
 }
 
+TEST(Page, a_single_child_is_the_first) {
+  constexpr std::uint32_t leaf = gpu::kRefLeaf | 1U << gpu::kRefCountShift;
+  std::vector<std::uint32_t> page = {gpu::kPageMagic, 1, 1, 8, 16, 1, 21, 0};
+  page.resize(21);
+  page[14] = leaf;
+  page[15] = gpu::kRefNone;
+  EXPECT_TRUE(verify_page(page, 1, "p").ok());
+  std::swap(page[14], page[15]);
+  EXPECT_FALSE(verify_page(page, 1, "p").ok());
+}
+
 TEST(Page, flips_and_prefixes_are_errors_or_sound_pages) {
   const std::vector<std::uint32_t> good = test::page_of(world(), 1);
   for (std::size_t n = 0; n < good.size(); ++n) {
