@@ -30,6 +30,13 @@ std::string fault_of(const CameraSample& sample) {
   return {};
 }
 
+// A view's name becomes a file's.
+bool names_a_file(const std::string& name) {
+  return !name.empty() && name.size() <= 64 && std::ranges::all_of(name, [](unsigned char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  });
+}
+
 Result<CameraSample> parse_line(std::string_view line) {
   std::array<double, 8> values{};
   const char* at = line.data();
@@ -84,7 +91,11 @@ Result<CameraPath> read_shots(std::string_view text, const std::string& file) {
       sample.target = {target[0], target[1], target[2]};
       sample.fov_y_deg = shot.value("fov_y_deg", 60.0);
       sample.name = shot.at("name").get<std::string>();
-      if (const std::string cause = fault_of(sample); !cause.empty())
+      std::string cause = fault_of(sample);
+      if (!names_a_file(sample.name)) cause = "its name is not 1 to 64 of the characters A-Z a-z 0-9 _ -";
+      if (std::ranges::any_of(path, [&](const CameraSample& other) { return other.name == sample.name; }))
+        cause = "its name comes twice";
+      if (!cause.empty())
         return Error{ErrorCode::kFormat, "shot " + std::to_string(path.size() + 1) + ": " + cause, file};
       path.push_back(std::move(sample));
     }

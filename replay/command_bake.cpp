@@ -55,7 +55,8 @@ void add_bake(CLI::App& app, const SetCommand& set) {
   command->add_option("inputs", arguments->inputs, "glTF, GLB, CityJSON 1.1/2.0 or CityJSONSeq files")->required();
   command->add_option("-o,--output", arguments->out, "World folder to write; an old world there is replaced")
       ->required();
-  command->add_option("--error", arguments->options.error_m, "Bound on the proxies' surface error, in metres")
+  command
+      ->add_option("--error", arguments->options.error_m, "Bound on the surface error of the finest proxies, in metres")
       ->capture_default_str()
       ->check(CLI::Range(0.001, 100.0));
   command->add_option("--leaf-triangles", arguments->options.leaf_triangles, "Triangles at which a zone is split")

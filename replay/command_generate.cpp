@@ -14,7 +14,9 @@ void add_generate(CLI::App& app, const SetCommand& set) {
   };
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("generate", "Write a deterministic city: city.glb, drive.csv, shots.json");
-  command->add_option("--seed", arguments->options.seed, "Another seed, another city")->capture_default_str();
+  command->add_option("--seed", arguments->options.seed, "Another seed, another city")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.8446744073709551e19));
   command->add_option("--size-km", arguments->options.size_km, "Side of the square city in kilometres")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 20.0));

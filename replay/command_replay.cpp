@@ -140,19 +140,20 @@ void add_replay(CLI::App& app, const SetCommand& set) {
                                                                         {"proxy", ReflectionMode::kProxy},
                                                                         {"full", ReflectionMode::kFull},
                                                                         {"none", ReflectionMode::kNone}}))
-      ->default_str("ssr+proxy");
-  command->add_option("--debug-views", a->debug_views, "Also write, per frame: provenance, bvh, normals, depth")
+      ->option_text("ssr+proxy|proxy|full|none [ssr+proxy]");
+  command->add_option("--debug-views", a->debug_views, "Also write these, per frame; parted by commas")
       ->delimiter(',')
       ->transform(CLI::CheckedTransformer(std::map<std::string, DebugView>{{"provenance", DebugView::kProvenance},
                                                                            {"bvh", DebugView::kBvh},
                                                                            {"normals", DebugView::kNormals},
-                                                                           {"depth", DebugView::kDepth}}));
+                                                                           {"depth", DebugView::kDepth}}))
+      ->option_text("provenance,bvh,normals,depth");
   command->add_flag("--contact-sheet", a->contact_sheet, "Also write contact_sheet.png: twelve frames on one picture");
   command->add_option("--sun", a->sun, "Sun: azimuth (degrees clockwise from north), elevation")->capture_default_str();
   command->add_option("--clock", a->clock, "virtual: same path, same log; wall: measures this machine")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, ClockKind>{{"virtual", ClockKind::kVirtual}, {"wall", ClockKind::kWall}}))
-      ->default_str("virtual");
+      ->option_text("virtual|wall [virtual]");
   command->add_option("--source-latency", a->latency, "Modelled source: latency of a request (virtual clock)")
       ->capture_default_str();
   command->add_option("--source-bandwidth", a->bandwidth,

@@ -128,11 +128,21 @@ class Session {
     return {};
   }
 
+  // The streamer knows files by their names in the world; a person needs to know which world.
+  Result<std::unique_ptr<Streamer>> in_world(Result<std::unique_ptr<Streamer>> opened) const {
+    if (opened.ok()) return opened;
+    Error error = std::move(opened).error();
+    const std::filesystem::path place(error.path);
+    if (place.is_relative() && !error.path.starts_with(options_.world.string()))
+      error.path = (error.path.empty() ? options_.world : options_.world / place).string();
+    return error;
+  }
+
   Status open_world() {
     StreamerOptions paging = options_.streamer;
     paging.on_failure = options_.on_failure;
     if (!options_.render) {
-      ZC_ASSIGN(streamer_, Streamer::open(*source_, paging, heap_sink_));
+      ZC_ASSIGN(streamer_, in_world(Streamer::open(*source_, paging, heap_sink_)));
       return {};
     }
     ZC_ASSIGN(const std::vector<std::byte> bytes, source_->read_all(kWorldIndexName, std::uint64_t{1} << 32U));
@@ -142,7 +152,7 @@ class Session {
     drawing_.proxy_sink.emplace(*drawing_.proxies, max_zones);
     drawing_.host_sink.emplace(*drawing_.host, max_zones);
     paging.pool_limit_bytes = std::min(paging.pool_limit_bytes, pool_limit);
-    ZC_ASSIGN(streamer_, Streamer::open(*source_, paging, *drawing_.proxy_sink));
+    ZC_ASSIGN(streamer_, in_world(Streamer::open(*source_, paging, *drawing_.proxy_sink)));
 
     // The host's own scene: full detail at once, whatever the modelled source does to the reflections' pages.
     StreamerOptions host;
@@ -153,7 +163,7 @@ class Session {
     host.include_detail = true;
     host.trace_limit_bytes = 0;
     host.on_failure = options_.on_failure;
-    auto host_streamer = Streamer::open(*source_, host, *drawing_.host_sink);
+    auto host_streamer = in_world(Streamer::open(*source_, host, *drawing_.host_sink));
     if (!host_streamer) {
       Error error = std::move(host_streamer).error();
       if (error.code == ErrorCode::kBudget) error.message = "--host-budget: " + error.message;
@@ -266,7 +276,7 @@ class Session {
 
     char number[24];
     std::snprintf(number, sizeof(number), "%06llu.png", static_cast<unsigned long long>(frame));
-    const std::string file = sample.name.empty() ? std::string(number) : safe_name(sample.name) + ".png";
+    const std::string file = sample.name.empty() ? std::string(number) : sample.name + ".png";
     ZC_TRY(save(options_.out / "frames" / file, options_.contact_sheet && on_sheet(ordinal, count)));
     for (const DebugView debug : options_.debug_views) {
       ZC_TRY(drawing_.renderer->draw_debug(debug, drawing_.proxy_table->draws(camera, aspect, true)));
@@ -283,15 +293,6 @@ class Session {
       if (ordinal == tile * (count - 1) / (tiles - 1)) return true;
     }
     return false;
-  }
-
-  // A shot's name comes from a file: nothing but letters, digits, '-' and '_' reaches the file system.
-  static std::string safe_name(std::string name) {
-    for (char& c : name) {
-      const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-';
-      if (!plain) c = '_';
-    }
-    return name;
   }
 
   Status save(const std::filesystem::path& file, bool sheet) {

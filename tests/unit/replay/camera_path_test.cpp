@@ -109,6 +109,13 @@ TEST_F(CameraPathFile, ShotsAreNamedAndASecondApart) {
 
 TEST_F(CameraPathFile, ShotsFaultsNameTheirShot) {
   EXPECT_EQ(fault(R"({"shots": []})"), "holds no camera");
+  const std::string view = R"("eye": [0, 0, 0], "target": [1, 1, 1]})";
+  EXPECT_NE(fault(R"({"shots": [{"name": "a", )" + view + R"(, {"name": "a", )" + view + "]}").find("comes twice"),
+            std::string::npos);
+  for (const char* name : {"", "../a", "a b"}) {
+    EXPECT_NE(fault(R"({"shots": [{"name": ")" + std::string(name) + R"(", )" + view + "]}").find("its name"),
+              std::string::npos);
+  }
   EXPECT_EQ(fault(R"({"shots": [{"name": "a", "eye": [0, 0, 0], "target": [0, 0, 0]}]})"),
             "shot 1: eye and target are the same point");
   for (const char* text : {"{", "{}", R"({"shots": 7})", R"({"shots": [7]})",
