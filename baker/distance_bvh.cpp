@@ -117,40 +117,8 @@ double DistanceBvh::distance_to_bounds(const glm::dvec3& p) const {
   return std::sqrt(squared_distance_to_box(p, to_dvec(bounds_.min), to_dvec(bounds_.max)));
 }
 
-double DistanceBvh::closest_of_look(const glm::dvec3& p, std::span<const std::uint16_t> looks, std::uint16_t look,
-                                    double limit) const {
-  if (nodes_.empty()) return limit;
-  struct Entry {
-    std::uint32_t node;
-    double squared;
-  };
-  std::array<Entry, 64> stack;
-  std::size_t top = 0;
-  const auto box_distance = [&](std::uint32_t i) {
-    return squared_distance_to_box(p, glm::dvec3(nodes_[i].min), glm::dvec3(nodes_[i].max));
-  };
-  stack[top++] = {0, box_distance(0)};
-  while (top > 0) {
-    const Entry entry = stack[--top];
-    if (entry.squared >= limit * limit) continue;
-    const Node& node = nodes_[entry.node];
-    if (node.count == 0) {
-      Entry near = {node.first, box_distance(node.first)};
-      Entry far = {node.first + 1, box_distance(node.first + 1)};
-      if (far.squared < near.squared) std::swap(near, far);
-      stack[top++] = far;
-      stack[top++] = near;
-      continue;
-    }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const Triangle& t = triangles_[i];
-      if (looks[t.material] == look) limit = std::min(limit, glm::distance(p, closest_on_triangle(p, t.a, t.ab, t.ac)));
-    }
-  }
-  return limit;
-}
-
-void DistanceBvh::closest(const glm::dvec3& p, const glm::dvec3& normal, double tie, ClosestHit& best) const {
+template <class Reach, class Visit>
+void DistanceBvh::visit_near(const glm::dvec3& p, const Reach& reach, const Visit& visit) const {
   if (nodes_.empty()) return;
   struct Entry {
     std::uint32_t node;
@@ -165,8 +133,7 @@ void DistanceBvh::closest(const glm::dvec3& p, const glm::dvec3& normal, double 
   stack[top++] = {0, box_distance(0)};
   while (top > 0) {
     const Entry entry = stack[--top];
-    const double reach = best.distance + tie;
-    if (entry.squared > reach * reach) continue;
+    if (entry.squared > reach() * reach()) continue;
     const Node& node = nodes_[entry.node];
     if (node.count == 0) {
       Entry near = {node.first, box_distance(node.first)};
@@ -176,19 +143,35 @@ void DistanceBvh::closest(const glm::dvec3& p, const glm::dvec3& normal, double 
       stack[top++] = near;
       continue;
     }
-    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-      const Triangle& t = triangles_[i];
-      const double distance = glm::distance(p, closest_on_triangle(p, t.a, t.ab, t.ac));
-      const double alignment = std::abs(glm::dot(t.normal, normal));
-      const bool clearly_closer = distance < best.distance - tie;
-      const bool tied = distance <= best.distance + tie && alignment > best.alignment;
-      if (clearly_closer || tied) {
-        best.alignment = alignment;
-        best.material = t.material;
-      }
-      best.distance = std::min(best.distance, distance);
-    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) visit(triangles_[i]);
   }
+}
+
+double DistanceBvh::closest_of_look(const glm::dvec3& p, std::span<const std::uint16_t> looks, std::uint16_t look,
+                                    double limit) const {
+  visit_near(
+      p, [&] { return limit; },
+      [&](const Triangle& t) {
+        if (looks[t.material] == look)
+          limit = std::min(limit, glm::distance(p, closest_on_triangle(p, t.a, t.ab, t.ac)));
+      });
+  return limit;
+}
+
+void DistanceBvh::closest(const glm::dvec3& p, const glm::dvec3& normal, double tie, ClosestHit& best) const {
+  visit_near(
+      p, [&] { return best.distance + tie; },
+      [&](const Triangle& t) {
+        const double distance = glm::distance(p, closest_on_triangle(p, t.a, t.ab, t.ac));
+        const double alignment = std::abs(glm::dot(t.normal, normal));
+        const bool clearly_closer = distance < best.distance - tie;
+        const bool tied = distance <= best.distance + tie && alignment > best.alignment;
+        if (clearly_closer || tied) {
+          best.alignment = alignment;
+          best.material = t.material;
+        }
+        best.distance = std::min(best.distance, distance);
+      });
 }
 
 }  // namespace zc

@@ -47,6 +47,10 @@ class DistanceBvh {
     std::uint16_t material;
   };
 
+  // Calls visit(triangle) for the triangles of every leaf whose box is within reach() of p, nearest boxes first.
+  template <class Reach, class Visit>
+  void visit_near(const glm::dvec3& p, const Reach& reach, const Visit& visit) const;
+
   std::vector<Node> nodes_;
   std::vector<Triangle> triangles_;
   LatticeBox bounds_;

@@ -37,9 +37,7 @@ void print_table(const nlohmann::ordered_json& json) {
 
 Status run(const Arguments& arguments) {
   ZC_ASSIGN(const auto source, open_directory_source(arguments.world));
-  ZC_ASSIGN(const std::vector<std::byte> bytes, source->read_all(kWorldIndexName, std::uint64_t{1} << 32U));
-  ZC_ASSIGN(const WorldIndex index,
-            decode_world_index(bytes, (std::filesystem::path(arguments.world) / kWorldIndexName).string()));
+  ZC_ASSIGN(const WorldIndex index, read_world_index(*source, arguments.world));
   nlohmann::ordered_json json = describe_world(*source, index);
   Status verified;
   if (arguments.verify) {

@@ -14,6 +14,7 @@
 #include "replay/frame_log.h"
 #include "replay/png_file.h"
 #include "replay/process_memory.h"
+#include "replay/world_report.h"
 #include "replay/zone_table.h"
 
 namespace zc {
@@ -145,8 +146,7 @@ class Session {
       ZC_ASSIGN(streamer_, in_world(Streamer::open(*source_, paging, heap_sink_)));
       return {};
     }
-    ZC_ASSIGN(const std::vector<std::byte> bytes, source_->read_all(kWorldIndexName, std::uint64_t{1} << 32U));
-    ZC_ASSIGN(const WorldIndex index, decode_world_index(bytes, (options_.world / kWorldIndexName).string()));
+    ZC_ASSIGN(const WorldIndex index, read_world_index(*source_, options_.world));
     const auto max_zones = static_cast<std::uint32_t>(index.nodes.size());
     const std::uint64_t pool_limit = drawing_.device->limits().maxStorageBufferRange;
     drawing_.proxy_sink.emplace(*drawing_.proxies, max_zones);

@@ -13,6 +13,9 @@
 
 namespace zc {
 
+// The index of the world in `folder`, which `source` reads.
+Result<WorldIndex> read_world_index(Source& source, const std::filesystem::path& folder);
+
 // Keys as DESIGN names them for `inspect --json`. bake_s comes from bake.json and is absent without it.
 nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index);
 
