@@ -16,5 +16,6 @@ void add_generate(CLI::App& app, const SetCommand& set);
 void add_bake(CLI::App& app, const SetCommand& set);
 void add_inspect(CLI::App& app, const SetCommand& set);
 void add_replay(CLI::App& app, const SetCommand& set);
+void add_bench(CLI::App& app, const SetCommand& set);
 
 }  // namespace zc

@@ -32,6 +32,7 @@ int run(int argc, char** argv) {
   zc::add_bake(app, set);
   zc::add_inspect(app, set);
   zc::add_replay(app, set);
+  zc::add_bench(app, set);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cstdio>
 #include <cstring>
+#include <span>
 #include <vector>
 
 namespace zc {
@@ -25,6 +26,21 @@ bool has_layer(const char* name) {
   vkEnumerateInstanceLayerProperties(&count, layers.data());
   return std::ranges::any_of(layers, [&](const auto& layer) { return std::strcmp(layer.layerName, name) == 0; });
 }
+
+bool has_extensions(VkPhysicalDevice device, std::span<const char* const> names) {
+  std::uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> found(count);
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, found.data());
+  return std::ranges::all_of(names, [&](const char* name) {
+    return std::ranges::any_of(found, [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+  });
+}
+
+constexpr std::array kRayQueryExtensions = {VK_KHR_RAY_QUERY_EXTENSION_NAME,
+                                            VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME,
+                                            VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME};
+constexpr std::array kSubgroupExtensions = {VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME};
 
 // Lower is better.
 int rank(VkPhysicalDeviceType type) {
@@ -53,7 +69,7 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
   std::unique_ptr<Device> device(new Device());
   ZC_TRY(device->create_instance(options));
   ZC_TRY(device->pick(options));
-  ZC_TRY(device->create_device());
+  ZC_TRY(device->create_device(options));
   return device;
 }
 
@@ -148,7 +164,7 @@ Status Device::pick(const DeviceOptions& options) {
   return {};
 }
 
-Status Device::create_device() {
+Status Device::create_device(const DeviceOptions& options) {
   std::uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
@@ -168,6 +184,46 @@ Status Device::create_device() {
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
+  std::vector<const char*> extensions;
+  // One chain: asked what the device has, and given back to turn just that on.
+  VkPhysicalDeviceBufferDeviceAddressFeatures addresses{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES};
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR, &addresses};
+  VkPhysicalDeviceRayQueryFeaturesKHR queries{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR, &structures};
+  VkPhysicalDeviceSubgroupSizeControlFeaturesEXT subgroups{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES_EXT};
+  if (options.ray_query && has_extensions(physical_, kRayQueryExtensions)) {
+    VkPhysicalDeviceFeatures2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &queries};
+    vkGetPhysicalDeviceFeatures2(physical_, &all);
+    ray_query_ = queries.rayQuery == VK_TRUE && structures.accelerationStructure == VK_TRUE &&
+                 addresses.bufferDeviceAddress == VK_TRUE;
+  }
+  if (ray_query_) {
+    extensions.insert(extensions.end(), kRayQueryExtensions.begin(), kRayQueryExtensions.end());
+    queries = {queries.sType, queries.pNext, VK_TRUE};
+    structures = {structures.sType, structures.pNext, VK_TRUE};
+    addresses = {addresses.sType, addresses.pNext, VK_TRUE};
+    info.pNext = &queries;
+  }
+  if (options.subgroup_sizes && has_extensions(physical_, kSubgroupExtensions)) {
+    VkPhysicalDeviceFeatures2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &subgroups};
+    vkGetPhysicalDeviceFeatures2(physical_, &all);
+    VkPhysicalDeviceSubgroupSizeControlPropertiesEXT sizes{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES_EXT};
+    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &sizes};
+    vkGetPhysicalDeviceProperties2(physical_, &properties);
+    if (subgroups.subgroupSizeControl == VK_TRUE &&
+        (sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0) {
+      min_subgroup_size_ = sizes.minSubgroupSize;
+      max_subgroup_size_ = sizes.maxSubgroupSize;
+      extensions.insert(extensions.end(), kSubgroupExtensions.begin(), kSubgroupExtensions.end());
+      subgroups.pNext = const_cast<void*>(info.pNext);
+      info.pNext = &subgroups;
+    }
+  }
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   ZC_VK(vkCreateDevice(physical_, &info, nullptr, &device_));
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One Vulkan device with one queue for graphics, compute and transfer. Needs Vulkan 1.2 and nothing optional.
+// One Vulkan device with one queue for graphics, compute and transfer. Needs Vulkan 1.2; what else it can turn on is
+// asked for by a flag and may stay off.
 // Owns: instance, device, command pool. Threads: one at a time. Fails when no device fits or the driver refuses.
 #pragma once
 
@@ -17,6 +18,8 @@ namespace zc {
 struct DeviceOptions {
   std::string name;  // part of the device's name, any case; empty: a discrete GPU if there is one, else the first
   bool validation = false;  // Khronos validation with synchronisation validation
+  bool ray_query = false;       // VK_KHR_ray_query and what it needs, where the device offers it
+  bool subgroup_sizes = false;  // VK_EXT_subgroup_size_control, where the device offers it
 };
 
 // OK, or a kDevice error naming the call.
@@ -39,6 +42,11 @@ class Device {
            static_cast<double>(properties_.limits.timestampPeriod) * 1e-6;
   }
   [[nodiscard]] bool has_timestamps() const { return timestamp_mask_ != 0; }
+  // Whether compute shaders may use ray queries.
+  [[nodiscard]] bool has_ray_query() const { return ray_query_; }
+  // Subgroup sizes that a compute pipeline may require: powers of two from min to max; 0 where it may require none.
+  [[nodiscard]] std::uint32_t min_subgroup_size() const { return min_subgroup_size_; }
+  [[nodiscard]] std::uint32_t max_subgroup_size() const { return max_subgroup_size_; }
   // Warnings and errors of the validation layers so far; 0 when they are off.
   [[nodiscard]] std::uint64_t validation_messages() const { return validation_messages_; }
 
@@ -56,7 +64,7 @@ class Device {
   Device() = default;
   Status create_instance(const DeviceOptions& options);
   Status pick(const DeviceOptions& options);
-  Status create_device();
+  Status create_device(const DeviceOptions& options);
   static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                                    VkDebugUtilsMessageTypeFlagsEXT type,
                                                    const VkDebugUtilsMessengerCallbackDataEXT* data, void* self);
@@ -75,6 +83,9 @@ class Device {
   VkPhysicalDeviceMemoryProperties memory_ = {};
   std::string name_;
   std::string driver_;
+  bool ray_query_ = false;
+  std::uint32_t min_subgroup_size_ = 0;
+  std::uint32_t max_subgroup_size_ = 0;
   std::uint64_t validation_messages_ = 0;
 };
 

@@ -28,6 +28,9 @@ Result<Buffer> Buffer::create(const Device& device, VkDeviceSize bytes, VkBuffer
   }
   VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
   allocate.allocationSize = needs.size;
+  const VkMemoryAllocateFlagsInfo addressed{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO, nullptr,
+                                            VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT};
+  if ((usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) != 0) allocate.pNext = &addressed;
   ZC_ASSIGN(allocate.memoryTypeIndex, device.memory_type(needs.memoryTypeBits, required, preferred));
   ZC_VK(vkAllocateMemory(device.handle(), &allocate, nullptr, &buffer.memory_));
   ZC_VK(vkBindBufferMemory(device.handle(), buffer.buffer_, buffer.memory_, 0));

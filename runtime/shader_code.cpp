@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime/shader_code.h"
 
+#include "spirv/bench/trace_bvh2.comp.h"
+#include "spirv/bench/trace_ray_query.comp.h"
+#include "spirv/bench/trace_thesis.comp.h"
 #include "spirv/classify_pixels.comp.h"
 #include "spirv/composite_frame.comp.h"
 #include "spirv/draw_lines.frag.h"
@@ -30,5 +33,8 @@ std::span<const std::uint32_t> trace_rays() { return ::trace_rays_comp; }
 std::span<const std::uint32_t> shade_hits() { return ::shade_hits_comp; }
 std::span<const std::uint32_t> composite_frame() { return ::composite_frame_comp; }
 std::span<const std::uint32_t> show_debug() { return ::show_debug_comp; }
+std::span<const std::uint32_t> bench_trace_bvh2() { return ::bench_trace_bvh2_comp; }
+std::span<const std::uint32_t> bench_trace_ray_query() { return ::bench_trace_ray_query_comp; }
+std::span<const std::uint32_t> bench_trace_thesis() { return ::bench_trace_thesis_comp; }
 
 }  // namespace zc::shader

@@ -25,8 +25,8 @@ ARROWS = {
     "replay": ("base", "shaders/shared", "streamer", "runtime", "replay"),
     "tests": ROOMS,
 }
-# The composition root's two commands that join the baker; no other file outside baker/ and its tests may.
-JOINS_BAKER = ("replay/command_bake.cpp", "replay/command_generate.cpp")
+# The composition root's three commands that join the baker; no other file outside baker/ and its tests may.
+JOINS_BAKER = ("replay/command_bake.cpp", "replay/command_bench.cpp", "replay/command_generate.cpp")
 
 # Library -> the rooms whose files may include it.
 LIBRARIES = {
@@ -41,6 +41,7 @@ LIBRARIES = {
     "glm/": ("baker", "streamer", "runtime", "replay", "tests"),
     "vulkan/": ("runtime", "replay"),
     "CLI/": ("replay",),
+    "embree3/": ("replay",),
     "spdlog/": ("replay",),
     "spng.h": ("replay", "tests"),
     "gtest/": ("tests",),
@@ -57,7 +58,7 @@ LINKS = {
     "zonecast_baker": {"zonecast_streamer", "CGAL::CGAL", "OpenMeshCore", "OpenMeshTools", "draco::draco",
                        "nlohmann_json::nlohmann_json", "PkgConfig::XXHASH", "TBB::tbb"},
     "zonecast_replay": {"zonecast_streamer", "zonecast_runtime", "CLI11::CLI11", "nlohmann_json::nlohmann_json",
-                        "PkgConfig::SPNG", "spdlog::spdlog", "spdlog::spdlog_header_only"},
+                        "PkgConfig::SPNG", "spdlog::spdlog", "spdlog::spdlog_header_only", "embree"},
     "zonecast": {"zonecast_replay", "zonecast_baker"},
 }
 # Target -> the folders whose sources it is made of.

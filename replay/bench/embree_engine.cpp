@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replay/bench/embree_engine.h"
+
+#ifdef ZONECAST_EMBREE
+#include <embree3/rtcore.h>
+
+#include <atomic>
+#include <chrono>
+#include <map>
+
+#include "replay/bench/parallel_chunks.h"
+
+namespace zc::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+class EmbreeEngine final : public TraceEngine {
+ public:
+  EmbreeEngine(bool robust, unsigned threads) : robust_(robust), threads_(threads) {}
+  ~EmbreeEngine() override {
+    if (scene_ != nullptr) rtcReleaseScene(scene_);
+    if (device_ != nullptr) rtcReleaseDevice(device_);
+  }
+
+  [[nodiscard]] std::string name() const override { return robust_ ? "embree_robust" : "embree"; }
+  [[nodiscard]] BuildFigures figures() const override { return figures_; }
+
+  Status build(const BenchScene& scene) override {
+    weld(scene.triangles);
+    const std::string config = "threads=" + std::to_string(threads_);
+    device_ = rtcNewDevice(config.c_str());
+    if (device_ == nullptr) return fault("rtcNewDevice");
+    rtcSetDeviceMemoryMonitorFunction(device_, &EmbreeEngine::on_memory, this);
+    const auto start = Clock::now();
+    scene_ = rtcNewScene(device_);
+    rtcSetSceneFlags(scene_, robust_ ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
+    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_HIGH);
+    // Embree may read 16 bytes at the last vertex: weld() left room for that.
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices_.data(), 0, 12,
+                               vertices_.size() / 3 - 1);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices_.data(), 0, 12,
+                               indices_.size() / 3);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene_);
+    figures_.build_ms = ms_since(start);
+    const auto embree_bytes = static_cast<std::uint64_t>(bytes_.load());
+    figures_.bytes = embree_bytes + vertices_.size() * sizeof(float) + indices_.size() * sizeof(std::uint32_t);
+    return fault("rtcCommitScene");
+  }
+
+  Result<double> trace(std::span<const BenchRay> rays, std::span<BenchHit> hits) override {
+    const auto start = Clock::now();
+    parallel_chunks(rays.size(), threads_, [&](std::size_t begin, std::size_t end) {
+      RTCIntersectContext context;
+      rtcInitIntersectContext(&context);
+      for (std::size_t i = begin; i < end; ++i) {
+        const BenchRay& ray = rays[i];
+        RTCRayHit query{};
+        query.ray.org_x = ray.ox, query.ray.org_y = ray.oy, query.ray.org_z = ray.oz;
+        query.ray.dir_x = ray.dx, query.ray.dir_y = ray.dy, query.ray.dir_z = ray.dz;
+        query.ray.tnear = 0;
+        query.ray.tfar = std::numeric_limits<float>::infinity();
+        query.ray.mask = 0xFFFFFFFFU;
+        query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect1(scene_, &context, &query);
+        hits[i] = query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? BenchHit{} : BenchHit{query.ray.tfar, query.hit.primID};
+      }
+    });
+    const double ms = ms_since(start);
+    ZC_TRY(fault("rtcIntersect1"));
+    return ms;
+  }
+
+ private:
+  static bool on_memory(void* self, ssize_t bytes, bool /*post*/) {
+    static_cast<EmbreeEngine*>(self)->bytes_ += bytes;
+    return true;
+  }
+
+  // OK, or Embree's last error.
+  Status fault(const char* call) {
+    const RTCError error = rtcGetDeviceError(device_);
+    if (error == RTC_ERROR_NONE) return {};
+    return Error{ErrorCode::kDevice, std::string(call) + " failed with RTCError " + std::to_string(error)};
+  }
+
+  void weld(std::span<const BenchTriangle> triangles) {
+    std::map<std::array<float, 3>, std::uint32_t> known;
+    for (const BenchTriangle& triangle : triangles) {
+      for (std::size_t corner = 0; corner < 9; corner += 3) {
+        const std::array<float, 3> p = {triangle.v[corner], triangle.v[corner + 1], triangle.v[corner + 2]};
+        const auto [at, fresh] = known.try_emplace(p, static_cast<std::uint32_t>(known.size()));
+        if (fresh) vertices_.insert(vertices_.end(), p.begin(), p.end());
+        indices_.push_back(at->second);
+      }
+    }
+    vertices_.insert(vertices_.end(), 3, 0.0F);
+  }
+
+  bool robust_;
+  unsigned threads_;
+  std::vector<float> vertices_;
+  std::vector<std::uint32_t> indices_;
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+  std::atomic<std::int64_t> bytes_ = 0;
+  BuildFigures figures_;
+};
+
+}  // namespace
+
+bool has_embree() { return true; }
+
+std::unique_ptr<TraceEngine> make_embree_engine(bool robust, unsigned threads) {
+  return std::make_unique<EmbreeEngine>(robust, threads);
+}
+
+}  // namespace zc::bench
+#else
+namespace zc::bench {
+
+bool has_embree() { return false; }
+
+std::unique_ptr<TraceEngine> make_embree_engine(bool /*robust*/, unsigned /*threads*/) { return nullptr; }
+
+}  // namespace zc::bench
+#endif

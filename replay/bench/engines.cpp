@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replay/bench/engines.h"
+
+#include <array>
+
+#include "replay/bench/bvh2_engines.h"
+#include "replay/bench/embree_engine.h"
+#include "replay/bench/ray_query_engine.h"
+
+namespace zc::bench {
+namespace {
+
+std::string_view nothing(const EngineContext& /*context*/) { return {}; }
+
+std::string_view missing_ray_query(const EngineContext& context) {
+  return context.device->has_ray_query() ? "" : "the driver has no VK_KHR_ray_query";
+}
+
+std::unique_ptr<TraceEngine> thesis(const EngineContext& context) { return make_thesis_engine(*context.device); }
+std::unique_ptr<TraceEngine> bvh2(const EngineContext& context) { return make_bvh2_engine(*context.device); }
+std::unique_ptr<TraceEngine> ray_query(const EngineContext& context) { return make_ray_query_engine(*context.device); }
+
+std::string_view missing_embree(const EngineContext& /*context*/) {
+  return has_embree() ? "" : "built without Embree 3";
+}
+
+template <bool kRobust>
+std::unique_ptr<TraceEngine> embree(const EngineContext& context) {
+  return make_embree_engine(kRobust, context.threads);
+}
+
+constexpr std::array kEngines = {
+    EngineEntry{"thesis", true, nothing, thesis},
+    EngineEntry{"bvh2", true, nothing, bvh2},
+    EngineEntry{"ray_query", true, missing_ray_query, ray_query},
+    EngineEntry{"embree", false, missing_embree, embree<false>},
+    EngineEntry{"embree_robust", false, missing_embree, embree<true>},
+};
+
+}  // namespace
+
+std::span<const EngineEntry> all_engines() { return kEngines; }
+
+}  // namespace zc::bench

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// The engines that `zonecast bench trace` knows, by name.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "replay/bench/trace_engine.h"
+#include "runtime/device.h"
+
+namespace zc::bench {
+
+struct EngineContext {
+  Device* device = nullptr;  // borrowed; null where no device was needed
+  unsigned threads = 1;
+};
+
+struct EngineEntry {
+  std::string_view name;
+  bool needs_device;
+  // Empty where the engine can run; else why it cannot.
+  std::string_view (*missing)(const EngineContext&);
+  std::unique_ptr<TraceEngine> (*make)(const EngineContext&);
+};
+
+// In the order of the table.
+std::span<const EngineEntry> all_engines();
+
+}  // namespace zc::bench

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replay/bench/trace_bench.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "replay/bench/engines.h"
+
+namespace zc::bench {
+namespace {
+
+// As asked for, in that order; all when nothing was.
+std::vector<const EngineEntry*> choose(std::span<const std::string> names) {
+  std::vector<const EngineEntry*> chosen;
+  for (const std::string& name : names) {
+    const auto entry = std::ranges::find(all_engines(), name, &EngineEntry::name);
+    if (std::ranges::find(chosen, &*entry) == chosen.end()) chosen.push_back(&*entry);
+  }
+  if (names.empty())
+    for (const EngineEntry& entry : all_engines()) chosen.push_back(&entry);
+  return chosen;
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+}  // namespace
+
+Status check_engine_names(std::span<const std::string> names) {
+  for (const std::string& name : names) {
+    if (std::ranges::find(all_engines(), name, &EngineEntry::name) != all_engines().end()) continue;
+    std::string known;
+    for (const EngineEntry& entry : all_engines()) known += (known.empty() ? "" : ", ") + std::string(entry.name);
+    return Error{ErrorCode::kArgument, "no engine is called '" + name + "' (known: " + known + ")"};
+  }
+  return {};
+}
+
+Result<TraceBenchReport> run_trace_bench(const BenchScene& scene, const Oracle& oracle, std::span<const BenchRay> rays,
+                                         const TraceBenchOptions& options) {
+  TraceBenchReport report;
+  report.scene = scene.name;
+  report.rays = rays.size();
+  report.triangles = scene.triangles.size();
+  report.zones = scene.zones.size();
+
+  const std::vector<const EngineEntry*> chosen = choose(options.engines);
+  const bool by_name = !options.engines.empty();
+  EngineContext context{nullptr, options.threads};
+  std::unique_ptr<Device> device;
+  std::string no_device;
+  if (std::ranges::any_of(chosen, &EngineEntry::needs_device)) {
+    DeviceOptions wanted;
+    wanted.name = options.device;
+    wanted.ray_query = true;
+    wanted.subgroup_sizes = true;
+    Result<std::unique_ptr<Device>> created = Device::create(wanted);
+    if (!created && (by_name || !options.device.empty())) return std::move(created).error();
+    if (created) {
+      device = *std::move(created);
+      context.device = device.get();
+      report.device = device->name();
+      report.driver = device->driver();
+    } else {
+      no_device = created.error().describe();
+    }
+  }
+
+  std::vector<std::unique_ptr<TraceEngine>> engines;
+  for (const EngineEntry* entry : chosen) {
+    const std::string missing =
+        entry->needs_device && device == nullptr ? no_device : std::string(entry->missing(context));
+    if (!missing.empty()) {
+      const std::string cause = std::string(entry->name) + ": " + missing;
+      if (by_name) return Error{ErrorCode::kDevice, cause};
+      report.left_out.push_back(cause);
+      continue;
+    }
+    engines.push_back(entry->make(context));
+  }
+  double done = 0;
+  const auto show = [&](std::string_view stage) {
+    const auto all = static_cast<double>(engines.size() * (options.repeat + 1) + 1);
+    if (options.progress) options.progress(done / all, stage);
+    ++done;
+  };
+  show("oracle");
+  // The first trace of each is held against the truth and warms up; it is not timed.
+  const std::vector<OracleHit> expected = oracle.trace(rays, options.threads);
+  std::vector<BenchHit> hits(rays.size());
+  for (const auto& engine : engines) {
+    EngineRow row;
+    row.engine = engine->name();
+    show(row.engine);
+    const auto named = [&](Error error) {
+      error.message = row.engine + ": " + error.message;
+      return error;
+    };
+    if (Status built = engine->build(scene); !built.ok()) return named(std::move(built).error());
+    row.figures = engine->figures();
+    std::ranges::fill(hits, BenchHit{0, 0});  // a hit that an engine does not write is a wrong one
+    if (Result<double> traced = engine->trace(rays, hits); !traced) return named(std::move(traced).error());
+    row.comparison = compare(oracle, rays, expected, hits, scene.triangles.size(), options.threads);
+    report.rows.push_back(std::move(row));
+  }
+  // In turn, so that whatever else the machine does hits all alike.
+  std::vector<std::vector<double>> times(engines.size());
+  for (unsigned round = 0; round < options.repeat; ++round) {
+    for (std::size_t i = 0; i < engines.size(); ++i) {
+      show(report.rows[i].engine);
+      ZC_ASSIGN(const double ms, engines[i]->trace(rays, hits));
+      times[i].push_back(ms);
+    }
+  }
+  for (std::size_t i = 0; i < engines.size(); ++i) {
+    report.rows[i].best_ms = std::ranges::min(times[i]);
+    report.rows[i].median_ms = median(times[i]);
+  }
+  return report;
+}
+
+}  // namespace zc::bench
