@@ -16,7 +16,8 @@
 #include <set>
 #include <thread>
 
-#include "baker/bvh_build.h"
+#include "baker/bvh/build_wide.h"
+#include "baker/bvh/page_nodes.h"
 #include "baker/cut.h"
 #include "baker/encode.h"
 #include "baker/proxy_tree.h"
@@ -106,7 +107,7 @@ Status encode_node(const ProxyNode& source, std::span<const Material> materials,
   node.triangle_count = zone.triangle_count;
   node.vertex_count = zone.vertex_count;
   node.primitive_count = zone.primitive_count;
-  node.scratch_bytes = decode_scratch_bytes(zone.glb, node);
+  node.scratch_bytes = decode_scratch_bytes(zone.glb, node);  // build_node_bvh adds its part
   node.glb_bytes = zone.glb.size();
   node.glb_xxh3 = XXH3_64bits(zone.glb.data(), zone.glb.size());
   const std::string name = node_file(node, "glb");
@@ -116,17 +117,21 @@ Status encode_node(const ProxyNode& source, std::span<const Material> materials,
 }
 
 Status build_node_bvh(const ZoneMesh& mesh, std::uint32_t material_count, const WorldWriter& writer, NodeRecord& node) {
-  ZC_ASSIGN(const BvhFile bvh, build_bvh(mesh.vertices, mesh.triangles));
+  std::vector<BvhTriangle> triangles(mesh.triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) triangles[i][k] = mesh.vertices[mesh.triangles[i][k]];
+  ZC_ASSIGN(const WideTree tree, build_wide_bvh(triangles, {}));
+  const BvhFile bvh = lay_out_bvh(tree, mesh, node);
   node.bvh_node_count = static_cast<std::uint32_t>(bvh.nodes.size());
+  node.reference_count = static_cast<std::uint32_t>(bvh.order.size());
   node.bvh_depth = bvh.depth;
-  node.page_bytes = 4 * (gpu::kPageHeaderWords + gpu::kBvhNodeWords * node.bvh_node_count +
-                         gpu::kPageTriangleWords * node.triangle_count);
   const std::vector<std::byte> bytes = encode_bvh_file(bvh);
   node.bvh_bytes = bytes.size();
+  node.scratch_bytes += bvh_scratch_bytes(node);
   node.bvh_xxh3 = XXH3_64bits(bytes.data(), bytes.size());
   const std::string name = node_file(node, "zbvh");
   ZC_ASSIGN(const std::vector<std::uint32_t> page, assemble_page(mesh, bvh, node, material_count, name));
-  if (page.size() * 4 != node.page_bytes) return Error{ErrorCode::kFormat, "page size differs from its counts", name};
+  node.page_bytes = static_cast<std::uint32_t>(4 * page.size());
   return writer.write(name, bytes);
 }
 

@@ -28,13 +28,13 @@ struct Level {
   }
 
   [[nodiscard]] nlohmann::ordered_json to_json() const {
-    const std::uint64_t header_bytes = nodes * sizeof(gpu::PageHeader);
+    const std::uint64_t tree_bytes = nodes * sizeof(gpu::PageHeader) + bvh_nodes * sizeof(gpu::PageNode);
     const double count = static_cast<double>(std::max<std::uint64_t>(triangles, 1));
     return {{"nodes", nodes},
             {"triangles", triangles},
             {"bytes",
-             {{"nodes", bvh_nodes * sizeof(gpu::BvhNode) + header_bytes},
-              {"triangles", triangles * sizeof(gpu::PageTriangle)},
+             {{"nodes", tree_bytes},
+              {"triangles", page_bytes - tree_bytes},  // clusters: triangles, vertices, materials
               {"normals", 0},  // computed from the triangle where it is hit
               {"uv", 0},
               {"texture", 0},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Joins a streamer to a zone set: pages go to the pool, the cover becomes zone table, bounds and draws.
+// Joins a streamer to a zone set: pages go to the pool, the cover becomes zone table and draws.
 // Borrows both. Threads: the frame's.
 #pragma once
 
@@ -37,6 +37,9 @@ class ZoneTable {
   // After every advance(): uploads the table and the top level when something in them changed.
   Status update(const View& view);
 
+  // Slot by slot, in the order of the pages in the pool.
+  [[nodiscard]] std::span<const gpu::ZoneEntry> entries() const { return entries_; }
+
   // Zones of the cover whose boxes touch the camera's view; all of them when `cull` is false.
   [[nodiscard]] std::vector<ZoneDraw> draws(const RenderCamera& camera, double aspect, bool cull) const;
 
@@ -45,7 +48,6 @@ class ZoneTable {
   ZoneSet& zones_;
   double tolerance_;
   std::vector<gpu::ZoneEntry> entries_;
-  std::vector<ZoneBounds> bounds_;
 };
 
 }  // namespace zc

@@ -155,9 +155,14 @@ Status Device::pick(const DeviceOptions& options) {
                                          (options.name.empty() ? "" : " whose name contains '" + options.name + "'") +
                                          " (found: " + (seen.empty() ? "none" : seen) + ")"};
   VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+  VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+  driver.pNext = &subgroup;
   VkPhysicalDeviceProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
   all.pNext = &driver;
   vkGetPhysicalDeviceProperties2(physical_, &all);
+  const bool shuffles = (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0 &&
+                        (subgroup.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT) != 0;
+  subgroup_size_ = shuffles ? subgroup.subgroupSize : 0;
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   name_ = properties_.deviceName;
   driver_ = std::string(driver.driverName) + " " + driver.driverInfo;

@@ -41,6 +41,8 @@ class Device {
     return static_cast<double>((to_ticks - from_ticks) & timestamp_mask_) *
            static_cast<double>(properties_.limits.timestampPeriod) * 1e-6;
   }
+  // Invocations of a subgroup in compute shaders; 0 where they cannot shuffle.
+  [[nodiscard]] std::uint32_t subgroup_size() const { return subgroup_size_; }
   [[nodiscard]] bool has_timestamps() const { return timestamp_mask_ != 0; }
   // Whether compute shaders may use ray queries.
   [[nodiscard]] bool has_ray_query() const { return ray_query_; }
@@ -81,6 +83,7 @@ class Device {
   VkFence fence_ = VK_NULL_HANDLE;
   VkPhysicalDeviceProperties properties_ = {};
   VkPhysicalDeviceMemoryProperties memory_ = {};
+  std::uint32_t subgroup_size_ = 0;
   std::string name_;
   std::string driver_;
   bool ray_query_ = false;

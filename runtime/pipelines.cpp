@@ -8,11 +8,13 @@
 namespace zc {
 namespace {
 
-constexpr std::uint32_t kBindingCount = gpu::kBindSurface + 1;
+constexpr std::uint32_t kBindingCount = gpu::kBindRetries + 1;
 
 VkDescriptorType type_of(std::uint32_t binding) {
   if (binding == gpu::kBindFrame) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-  if (binding >= gpu::kBindDepth) return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+  if (binding >= gpu::kBindProxyTexels && binding <= gpu::kBindRayTexels4)
+    return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+  if (binding == gpu::kBindDepth || binding == gpu::kBindSurface) return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
   return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
@@ -42,6 +44,16 @@ class ShaderModule {
   VkShaderModule module_ = VK_NULL_HANDLE;
 };
 
+constexpr std::array kVariantEntries = {VkSpecializationMapEntry{0, offsetof(PassVariant, stack_size), 4},
+                                        VkSpecializationMapEntry{1, offsetof(PassVariant, use_screen), 4},
+                                        VkSpecializationMapEntry{2, offsetof(PassVariant, trace_host), 4},
+                                        VkSpecializationMapEntry{3, offsetof(PassVariant, pool_path), 4},
+                                        VkSpecializationMapEntry{4, offsetof(PassVariant, rays_per_lane), 4}};
+
+VkSpecializationInfo specialization(const PassVariant& variant) {
+  return {static_cast<std::uint32_t>(kVariantEntries.size()), kVariantEntries.data(), sizeof(variant), &variant};
+}
+
 }  // namespace
 
 PassLayout::~PassLayout() {
@@ -55,7 +67,7 @@ Status PassLayout::create() {
   std::vector<VkDescriptorSetLayoutBinding> bindings(kBindingCount);
   for (std::uint32_t i = 0; i < kBindingCount; ++i) {
     // The vertex stages read zones and pages; everything else is for compute.
-    const bool vertex = i <= gpu::kBindHostTop;
+    const bool vertex = i <= gpu::kBindHostPool4 || (i >= gpu::kBindProxyTexels && i <= gpu::kBindHostTexels4);
     const VkShaderStageFlags stages =
         vertex ? VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT : VK_SHADER_STAGE_COMPUTE_BIT;
     bindings[i] = {i, type_of(i), 1, stages, nullptr};
@@ -75,7 +87,8 @@ Status PassLayout::create() {
   ZC_VK(vkCreatePipelineLayout(device_.handle(), &pipeline, nullptr, &pipeline_layout_));
 
   const std::array sizes = {VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1},
-                            VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, gpu::kBindOutput},
+                            VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kBindingCount},
+                            VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 5},
                             VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 2}};
   VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool.maxSets = 1;
@@ -106,6 +119,16 @@ void PassLayout::bind_buffer(std::uint32_t binding, VkBuffer buffer) {
   vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
 }
 
+void PassLayout::bind_texels(std::uint32_t binding, VkBufferView view) {
+  VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+  write.dstSet = set_;
+  write.dstBinding = binding;
+  write.descriptorCount = 1;
+  write.descriptorType = type_of(binding);
+  write.pTexelBufferView = &view;
+  vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
+}
+
 void PassLayout::bind_sampled(std::uint32_t binding, VkImageView view, VkImageLayout layout) {
   const VkDescriptorImageInfo info{sampler_, view, layout};
   VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
@@ -121,11 +144,7 @@ Result<Pipeline> Pipeline::create_compute(const Device& device, const PassLayout
                                           std::span<const std::uint32_t> spirv, const PassVariant& variant) {
   ShaderModule module(device);
   ZC_TRY(module.create(spirv));
-  const std::array entries = {VkSpecializationMapEntry{0, offsetof(PassVariant, stack_size), 4},
-                              VkSpecializationMapEntry{1, offsetof(PassVariant, use_screen), 4},
-                              VkSpecializationMapEntry{2, offsetof(PassVariant, trace_host), 4}};
-  const VkSpecializationInfo special{static_cast<std::uint32_t>(entries.size()), entries.data(), sizeof(variant),
-                                     &variant};
+  const VkSpecializationInfo special = specialization(variant);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage = module.stage(VK_SHADER_STAGE_COMPUTE_BIT);
   info.stage.pSpecializationInfo = &special;
@@ -141,7 +160,9 @@ Result<Pipeline> Pipeline::create_graphics(const Device& device, const PassLayou
   ShaderModule fragment(device);
   ZC_TRY(vertex.create(graphics.vertex));
   ZC_TRY(fragment.create(graphics.fragment));
-  const std::array stages = {vertex.stage(VK_SHADER_STAGE_VERTEX_BIT), fragment.stage(VK_SHADER_STAGE_FRAGMENT_BIT)};
+  std::array stages = {vertex.stage(VK_SHADER_STAGE_VERTEX_BIT), fragment.stage(VK_SHADER_STAGE_FRAGMENT_BIT)};
+  const VkSpecializationInfo special = specialization(graphics.variant);
+  stages[0].pSpecializationInfo = &special;
 
   const VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
   VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};

@@ -17,6 +17,8 @@ struct PassVariant {
   std::int32_t stack_size = 64;
   std::uint32_t use_screen = 1;
   std::uint32_t trace_host = 0;
+  std::uint32_t pool_path = 0;     // kPoolTexels or kPoolStorage
+  std::int32_t rays_per_lane = 4;  // of packets; 0: rays are traced one by one
 };
 
 class PassLayout {
@@ -28,6 +30,7 @@ class PassLayout {
   Status create();
 
   void bind_buffer(std::uint32_t binding, VkBuffer buffer);
+  void bind_texels(std::uint32_t binding, VkBufferView view);
   void bind_sampled(std::uint32_t binding, VkImageView view, VkImageLayout layout);
 
   [[nodiscard]] VkPipelineLayout pipeline_layout() const { return pipeline_layout_; }
@@ -50,6 +53,7 @@ class Pipeline {
     std::span<const std::uint32_t> vertex;
     std::span<const std::uint32_t> fragment;
     VkRenderPass render_pass = VK_NULL_HANDLE;
+    PassVariant variant;
     VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
     bool depth_write = true;
     std::uint32_t width = 0;

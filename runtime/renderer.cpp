@@ -62,6 +62,7 @@ void Renderer::write_frame(const RenderCamera& camera) {
   frame_.sun_direction = {std::sin(azimuth) * std::cos(elevation), std::cos(azimuth) * std::cos(elevation),
                           std::sin(elevation), options_.roughness_cut};
   frame_.sun_radiance = {1.75F, 1.58F, 1.32F, static_cast<float>(camera.step_m)};
+  frame_.sets = {proxies_.root_word(), proxies_.zone_count(), host_.root_word(), host_.zone_count()};
   frame_.camera_lattice = {camera.lattice[0], camera.lattice[1], camera.lattice[2], 0};
   std::memcpy(frame_buffer_.mapped().data(), &frame_, sizeof(frame_));
 }
@@ -85,6 +86,14 @@ void Renderer::dispatch_indirect(VkCommandBuffer c, const Pipeline& pipeline, st
   bind(c, pipeline);
   vkCmdDispatchIndirect(c, counters_.handle(), offset_bytes);
   next_pass(c);
+}
+
+void Renderer::record_trace(VkCommandBuffer c, bool host) const {
+  if (rays_per_lane_ > 0) {
+    dispatch_indirect(c, host ? packet_host_ : packet_proxies_, offsetof(gpu::Counters, packet_groups_x));
+    dispatch_pixels(c, size_, 1, 1);
+  }
+  dispatch_indirect(c, host ? trace_host_ : trace_proxies_, offsetof(gpu::Counters, retry_groups_x));
 }
 
 void Renderer::stamp(VkCommandBuffer c, std::uint32_t index) const {
@@ -128,7 +137,6 @@ Result<FrameResult> Renderer::render(const RenderCamera& camera, std::span<const
   const auto w = options_.width;
   const auto h = options_.height;
   const bool trace = options_.reflections != ReflectionMode::kNone;
-  const Pipeline& tracer = options_.reflections == ReflectionMode::kFull ? trace_host_ : trace_proxies_;
   const bool hiz = options_.reflections == ReflectionMode::kScreenAndProxy;
 
   ZC_TRY(device_.run([&](VkCommandBuffer c) {
@@ -151,7 +159,7 @@ Result<FrameResult> Renderer::render(const RenderCamera& camera, std::span<const
     stamp(c, 4);
     if (trace) dispatch_pixels(c, size_, 1, 1);
     stamp(c, 5);
-    if (trace) dispatch_indirect(c, tracer, offsetof(gpu::Counters, trace_groups_x));
+    if (trace) record_trace(c, options_.reflections == ReflectionMode::kFull);
     stamp(c, 6);
     if (trace) dispatch_indirect(c, shade_, offsetof(gpu::Counters, trace_groups_x));
     stamp(c, 7);
@@ -202,7 +210,7 @@ void Renderer::record_lines(VkCommandBuffer c, std::span<const ZoneDraw> draws) 
     vkCmdPushConstants(c, layout_.pipeline_layout(), VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT, 0,
                        sizeof(constants), &constants);
     for (const ZoneDraw& draw : draws)
-      vkCmdDraw(c, boxes == 1 ? draw.node_count * 48 : draw.triangle_count * 6, 1, 0, draw.slot);
+      vkCmdDraw(c, boxes == 1 ? draw.node_count * 192 : draw.triangle_count * 6, 1, 0, draw.slot);
   }
   vkCmdEndRenderPass(c);
   vkCmdCopyImageToBuffer(c, overlay_.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, output_.handle(), 1, &region);
@@ -245,7 +253,7 @@ Result<std::vector<gpu::HitRecord>> Renderer::trace(const RenderCamera& camera, 
     after_transfer(c);
     dispatch_pixels(c, size_, 1, 1);
     stamp(c, 0);
-    dispatch_indirect(c, host ? trace_host_ : trace_proxies_, offsetof(gpu::Counters, trace_groups_x));
+    record_trace(c, host);
     stamp(c, 1);
     const VkBufferCopy back{0, 0, rays.size() * sizeof(gpu::HitRecord)};
     vkCmdCopyBuffer(c, hits_.handle(), readback_.handle(), 1, &back);

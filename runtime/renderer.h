@@ -36,6 +36,8 @@ struct RendererOptions {
   std::uint32_t screen_steps = 256;
   std::uint32_t page_depth = gpu::kPageMaxDepth;  // deepest page that will be traced
   std::uint32_t max_zones = 1;                    // most zones ever resident in one set
+  std::uint32_t pool_path = gpu::kPoolTexels;     // or kPoolStorage: how shaders read pages
+  std::uint32_t rays_per_lane = 4;                // packets of eight times as many rays; 0: rays one by one
 };
 
 struct RenderCamera {
@@ -95,6 +97,8 @@ class Renderer {
   void bind(VkCommandBuffer c, const Pipeline& pipeline) const;
   void dispatch_pixels(VkCommandBuffer c, const Pipeline& pipeline, std::uint32_t width, std::uint32_t height,
                        const gpu::PassConstants& constants = {}) const;
+  // Closest hits of the ray queue, in packets first.
+  void record_trace(VkCommandBuffer c, bool host) const;
   void dispatch_indirect(VkCommandBuffer c, const Pipeline& pipeline, std::size_t offset_bytes) const;
   void stamp(VkCommandBuffer c, std::uint32_t index) const;
   Status read_stamps(std::span<std::uint64_t> ticks) const;  // the first ones; zeros where the queue has none
@@ -106,16 +110,18 @@ class Renderer {
   PassLayout layout_;
   gpu::FrameData frame_ = {};
 
-  Buffer frame_buffer_, materials_, hiz_, lit_, reflection_, provenance_, pixel_list_, rays_, hits_, counters_, output_;
+  Buffer frame_buffer_, materials_, hiz_, lit_, reflection_, provenance_, pixel_list_, rays_, hits_, retries_, counters_, output_;
   Buffer readback_, counters_readback_;
+  BufferView ray_texels_;
   Image depth_, surface_, overlay_;
   VkRenderPass gbuffer_pass_ = VK_NULL_HANDLE;
   VkRenderPass overlay_pass_ = VK_NULL_HANDLE;
   VkFramebuffer gbuffer_target_ = VK_NULL_HANDLE;
   VkFramebuffer overlay_target_ = VK_NULL_HANDLE;
   VkQueryPool queries_ = VK_NULL_HANDLE;
-  Pipeline draw_zone_, draw_lines_, light_, reduce_, classify_, size_, march_, trace_proxies_, trace_host_, shade_,
-      composite_, debug_;
+  Pipeline draw_zone_, draw_lines_, light_, reduce_, classify_, size_, march_, trace_proxies_, trace_host_,
+      packet_proxies_, packet_host_, shade_, composite_, debug_;
+  std::int32_t rays_per_lane_ = 0;
 };
 
 }  // namespace zc

@@ -2,7 +2,6 @@
 // Renderer: what is made once. The frame itself is in renderer.cpp.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstring>
 #include <string>
 
@@ -71,11 +70,8 @@ Result<VkFramebuffer> make_framebuffer(const Device& device, VkRenderPass pass, 
   return framebuffer;
 }
 
-// Entries that the traversal stack can need at once: one a level, at both levels.
-std::int32_t stack_entries(std::uint32_t page_depth, std::uint32_t max_zones) {
-  const std::uint32_t top_depth = std::min<std::uint32_t>(max_zones, 24 + std::bit_width(max_zones));
-  return static_cast<std::int32_t>(page_depth + top_depth + 1);
-}
+// Packets keep their stack across the lanes of a team, in two sets of registers; see traverse_packet.glsl.
+constexpr std::uint32_t kPacketStack = 16;
 
 }  // namespace
 
@@ -134,8 +130,11 @@ Status Renderer::create_buffers(std::span<const gpu::MaterialEntry> materials) {
   ZC_TRY(make(reflection_, pixels * 8, storage, MemoryUse::kDevice));
   ZC_TRY(make(provenance_, pixels * 4, storage, MemoryUse::kDevice));
   ZC_TRY(make(pixel_list_, pixels * 4, storage, MemoryUse::kDevice));
-  ZC_TRY(make(rays_, pixels * sizeof(gpu::RayTask), storage, MemoryUse::kDevice));
+  ZC_TRY(make(rays_, pixels * sizeof(gpu::RayTask), storage | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
+              MemoryUse::kDevice));
+  ZC_ASSIGN(ray_texels_, BufferView::create(device_, rays_, VK_FORMAT_R32G32B32A32_UINT));
   ZC_TRY(make(hits_, pixels * sizeof(gpu::HitRecord), storage, MemoryUse::kDevice));
+  ZC_TRY(make(retries_, pixels * 4, storage, MemoryUse::kDevice));
   ZC_TRY(make(counters_, sizeof(gpu::Counters), storage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, MemoryUse::kDevice));
   ZC_TRY(make(output_, pixels * 4, storage, MemoryUse::kDevice));
   // Large enough for a picture and for the ray queue of trace().
@@ -178,10 +177,14 @@ Status Renderer::create_targets() {
   layout_.bind_buffer(gpu::kBindFrame, frame_buffer_.handle());
   layout_.bind_buffer(gpu::kBindProxyPool, proxies_.pool().handle());
   layout_.bind_buffer(gpu::kBindProxyZones, proxies_.zones().handle());
-  layout_.bind_buffer(gpu::kBindProxyTop, proxies_.top().handle());
+  layout_.bind_buffer(gpu::kBindProxyPool4, proxies_.pool().handle());
+  layout_.bind_texels(gpu::kBindProxyTexels, proxies_.texels().handle());
+  layout_.bind_texels(gpu::kBindProxyTexels4, proxies_.texels4().handle());
   layout_.bind_buffer(gpu::kBindHostPool, host_.pool().handle());
   layout_.bind_buffer(gpu::kBindHostZones, host_.zones().handle());
-  layout_.bind_buffer(gpu::kBindHostTop, host_.top().handle());
+  layout_.bind_buffer(gpu::kBindHostPool4, host_.pool().handle());
+  layout_.bind_texels(gpu::kBindHostTexels, host_.texels().handle());
+  layout_.bind_texels(gpu::kBindHostTexels4, host_.texels4().handle());
   layout_.bind_buffer(gpu::kBindMaterials, materials_.handle());
   layout_.bind_buffer(gpu::kBindHiz, hiz_.handle());
   layout_.bind_buffer(gpu::kBindLit, lit_.handle());
@@ -190,6 +193,8 @@ Status Renderer::create_targets() {
   layout_.bind_buffer(gpu::kBindPixels, pixel_list_.handle());
   layout_.bind_buffer(gpu::kBindRays, rays_.handle());
   layout_.bind_buffer(gpu::kBindHits, hits_.handle());
+  layout_.bind_texels(gpu::kBindRayTexels4, ray_texels_.handle());
+  layout_.bind_buffer(gpu::kBindRetries, retries_.handle());
   layout_.bind_buffer(gpu::kBindCounters, counters_.handle());
   layout_.bind_buffer(gpu::kBindOutput, output_.handle());
   layout_.bind_sampled(gpu::kBindDepth, depth_.view(), read);
@@ -199,7 +204,12 @@ Status Renderer::create_targets() {
 
 Status Renderer::create_pipelines() {
   PassVariant variant;
-  variant.stack_size = stack_entries(options_.page_depth, options_.max_zones);
+  // A level leaves at most one entry behind, and the last none.
+  const std::uint32_t depth = options_.page_depth + top_level_depth_bound(options_.max_zones);
+  variant.stack_size = static_cast<std::int32_t>(depth);
+  variant.pool_path = options_.pool_path;
+  variant.rays_per_lane = depth <= kPacketStack && device_.subgroup_size() >= 8 ? options_.rays_per_lane : 0;
+  rays_per_lane_ = variant.rays_per_lane;
   variant.use_screen = options_.reflections == ReflectionMode::kScreenAndProxy ? 1 : 0;
   variant.trace_host = options_.reflections == ReflectionMode::kFull ? 1 : 0;
   const auto compute = [&](Pipeline& pipeline, std::span<const std::uint32_t> code, const PassVariant& v) -> Status {
@@ -220,8 +230,13 @@ Status Renderer::create_pipelines() {
   proxy.trace_host = 0;
   ZC_TRY(compute(trace_proxies_, shader::trace_rays(), proxy));
   ZC_TRY(compute(trace_host_, shader::trace_rays(), host));
+  if (rays_per_lane_ > 0) {
+    ZC_TRY(compute(packet_proxies_, shader::trace_packets(), proxy));
+    ZC_TRY(compute(packet_host_, shader::trace_packets(), host));
+  }
 
   Pipeline::Graphics zone;
+  zone.variant = variant;
   zone.vertex = shader::draw_zone_vert();
   zone.fragment = shader::draw_zone_frag();
   zone.render_pass = gbuffer_pass_;

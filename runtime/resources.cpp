@@ -56,6 +56,26 @@ Buffer::~Buffer() {
   vkFreeMemory(device_->handle(), memory_, nullptr);
 }
 
+Result<BufferView> BufferView::create(const Device& device, const Buffer& buffer, VkFormat format) {
+  VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+  info.buffer = buffer.handle();
+  info.format = format;
+  info.range = VK_WHOLE_SIZE;
+  BufferView view;
+  view.device_ = &device;
+  ZC_VK(vkCreateBufferView(device.handle(), &info, nullptr, &view.view_));
+  return view;
+}
+
+void BufferView::swap(BufferView& other) noexcept {
+  std::swap(device_, other.device_);
+  std::swap(view_, other.view_);
+}
+
+BufferView::~BufferView() {
+  if (device_ != nullptr) vkDestroyBufferView(device_->handle(), view_, nullptr);
+}
+
 Result<Image> Image::create(const Device& device, std::uint32_t width, std::uint32_t height, VkFormat format,
                             VkImageUsageFlags usage, VkImageAspectFlags aspect) {
   Image image;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A buffer and an image, each with memory of its own: the runtime has few and long-lived ones.
+// A buffer with its views and an image, each with memory of its own: the runtime has few and long-lived ones.
 // Borrows the device, which must outlive them. Threads: as the device.
 #pragma once
 
@@ -41,6 +41,28 @@ class Buffer {
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
   VkDeviceSize bytes_ = 0;
   std::byte* mapped_ = nullptr;
+};
+
+// A whole buffer as a texel buffer; the buffer must outlive it.
+class BufferView {
+ public:
+  static Result<BufferView> create(const Device& device, const Buffer& buffer, VkFormat format);
+  BufferView() = default;
+  BufferView(BufferView&& other) noexcept { swap(other); }
+  BufferView& operator=(BufferView&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  BufferView(const BufferView&) = delete;
+  BufferView& operator=(const BufferView&) = delete;
+  ~BufferView();
+
+  [[nodiscard]] VkBufferView handle() const { return view_; }
+
+ private:
+  void swap(BufferView& other) noexcept;
+  const Device* device_ = nullptr;
+  VkBufferView view_ = VK_NULL_HANDLE;
 };
 
 // A 2D image with one level and one view.

@@ -16,6 +16,7 @@
 #include "spirv/shade_hits.comp.h"
 #include "spirv/show_debug.comp.h"
 #include "spirv/size_dispatch.comp.h"
+#include "spirv/trace_packets.comp.h"
 #include "spirv/trace_rays.comp.h"
 
 namespace zc::shader {
@@ -29,6 +30,7 @@ std::span<const std::uint32_t> reduce_depth() { return ::reduce_depth_comp; }
 std::span<const std::uint32_t> classify_pixels() { return ::classify_pixels_comp; }
 std::span<const std::uint32_t> size_dispatch() { return ::size_dispatch_comp; }
 std::span<const std::uint32_t> march_screen() { return ::march_screen_comp; }
+std::span<const std::uint32_t> trace_packets() { return ::trace_packets_comp; }
 std::span<const std::uint32_t> trace_rays() { return ::trace_rays_comp; }
 std::span<const std::uint32_t> shade_hits() { return ::shade_hits_comp; }
 std::span<const std::uint32_t> composite_frame() { return ::composite_frame_comp; }

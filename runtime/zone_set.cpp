@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <vector>
 
 #include "base/check.h"
 
@@ -29,22 +30,28 @@ void copy(VkCommandBuffer commands, const Buffer& from, VkDeviceSize from_bytes,
 }  // namespace
 
 Status ZoneSet::create(std::uint64_t capacity_words, std::uint32_t max_zones) {
-  const VkDeviceSize bytes = std::max<VkDeviceSize>(capacity_words * 4, 64);
-  if (bytes > device_.limits().maxStorageBufferRange)
+  const VkPhysicalDeviceLimits& limits = device_.limits();
+  const std::uint64_t pages_words = (capacity_words + gpu::kPageAlignWords - 1) / gpu::kPageAlignWords * gpu::kPageAlignWords;
+  const std::uint64_t top_words = std::uint64_t{top_level_node_bound(max_zones)} * gpu::kPageNodeWords;
+  const VkDeviceSize bytes = (pages_words + top_words) * 4;
+  if (bytes > limits.maxStorageBufferRange || bytes / 4 > limits.maxTexelBufferElements)
     return Error{ErrorCode::kDevice, "a page pool of " + std::to_string(bytes) + " bytes is more than " +
-                                         device_.name() + " binds (" +
-                                         std::to_string(device_.limits().maxStorageBufferRange) + ")"};
+                                         device_.name() + " binds (storage " +
+                                         std::to_string(limits.maxStorageBufferRange) + " bytes, texel buffers " +
+                                         std::to_string(limits.maxTexelBufferElements) + " words)"};
   constexpr VkBufferUsageFlags usage =
       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
   const VkDeviceSize zones = std::max<std::uint32_t>(max_zones, 1);
-  ZC_ASSIGN(pool_, Buffer::create(device_, bytes, usage, MemoryUse::kDevice));
+  ZC_ASSIGN(pool_, Buffer::create(device_, bytes, usage | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, MemoryUse::kDevice));
+  ZC_ASSIGN(texels_, BufferView::create(device_, pool_, VK_FORMAT_R32_UINT));
+  ZC_ASSIGN(texels4_, BufferView::create(device_, pool_, VK_FORMAT_R32G32B32A32_UINT));
   ZC_ASSIGN(zones_, Buffer::create(device_, zones * sizeof(gpu::ZoneEntry), usage, MemoryUse::kDevice));
-  ZC_ASSIGN(top_, Buffer::create(device_, zones * sizeof(gpu::TopNode), usage, MemoryUse::kDevice));
-  if (use_staging_ || pool_.mapped().empty() || zones_.mapped().empty() || top_.mapped().empty()) {
+  root_word_ = static_cast<std::uint32_t>(pages_words);
+  if (use_staging_ || pool_.mapped().empty() || zones_.mapped().empty()) {
     use_staging_ = true;
     ZC_ASSIGN(staging_, Buffer::create(device_, kStagingBytes, usage, MemoryUse::kUpload));
   }
-  return set_zones({}, {});
+  return set_zones({});
 }
 
 Status ZoneSet::write(const Buffer& target, std::uint64_t offset_bytes, std::span<const std::byte> bytes) {
@@ -64,6 +71,10 @@ Status ZoneSet::write(const Buffer& target, std::uint64_t offset_bytes, std::spa
 }
 
 Status ZoneSet::upload(std::uint64_t offset_words, std::span<const std::uint32_t> page) {
+  // Pages that this one overwrites are gone.
+  const auto first = roots_.lower_bound(offset_words);
+  roots_.erase(first, roots_.lower_bound(offset_words + page.size()));
+  roots_[offset_words] = page_root(page);
   return write(pool_, offset_words * 4, std::as_bytes(page));
 }
 
@@ -72,6 +83,11 @@ Status ZoneSet::move(std::uint64_t from_words, std::uint64_t to_words, std::uint
   const VkDeviceSize to = to_words * 4;
   const VkDeviceSize bytes = count_words * 4;
   ZC_CHECK(std::max(from, to) + bytes <= pool_.bytes());
+  if (auto node = roots_.extract(from_words); !node.empty()) {
+    roots_.erase(to_words);
+    node.key() = to_words;
+    roots_.insert(std::move(node));
+  }
   if (!use_staging_) {
     std::memmove(pool_.mapped().data() + to, pool_.mapped().data() + from, bytes);
     return {};
@@ -88,13 +104,23 @@ Status ZoneSet::move(std::uint64_t from_words, std::uint64_t to_words, std::uint
   });
 }
 
-Status ZoneSet::set_zones(std::span<const gpu::ZoneEntry> zones, std::span<const ZoneBounds> bounds) {
-  ZC_CHECK(zones.size() == bounds.size() && zones.size_bytes() <= zones_.bytes());
-  const TopLevel top = build_top_level(bounds);
+Status ZoneSet::set_zones(std::span<const gpu::ZoneEntry> zones) {
+  ZC_CHECK(zones.size_bytes() <= zones_.bytes());
+  std::vector<TracedPage> pages;
+  pages.reserve(zones.size());
+  triangle_counts_.clear();
+  for (const gpu::ZoneEntry& zone : zones) {
+    ZC_CHECK(pages.empty() || pages.back().page_word < zone.page_word);
+    const auto root = roots_.find(zone.page_word);
+    ZC_CHECK(root != roots_.end());
+    pages.push_back({zone.page_word, &root->second});
+    triangle_counts_.push_back(root->second.triangle_count);
+  }
+  const TopLevel top = build_top_level(pages, root_word_);
   zone_count_ = static_cast<std::uint32_t>(zones.size());
   top_depth_ = top.depth;
   ZC_TRY(write(zones_, 0, std::as_bytes(zones)));
-  return write(top_, 0, std::as_bytes(std::span(top.nodes)));
+  return write(pool_, std::uint64_t{root_word_} * 4, std::as_bytes(std::span(top.nodes)));
 }
 
 }  // namespace zc

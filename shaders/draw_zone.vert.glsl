@@ -5,8 +5,7 @@
 #include "scene_bindings.glsl"
 #include "octahedral.glsl"
 
-#define PAGE_NAME(x) host_##x
-#define POOL host_pool
+#include "host_set.glsl"
 #include "page_fetch.glsl"
 
 layout(location = 0) flat out uvec2 out_surface;
@@ -19,7 +18,7 @@ void main() {
   vec3 b;
   vec3 c;
   uint material;
-  host_fetch_triangle(zone, host_zone_offset(zone), triangle, a, b, c, material);
+  host_fetch_triangle(zone.page_word, triangle, a, b, c, material);
   const vec3 n = cross(b - a, c - a);
   const float l = length(n);
   const vec3 p = (corner == 0u ? a : (corner == 1u ? b : c)) * frame.sun_radiance.w;

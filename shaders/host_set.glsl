@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Traversal of the host's full-detail zones: trace → host_trace, and so on.
+// The host's full-detail zones: defines what page_fetch.glsl and the traversals take. Undo with end_set.glsl.
 #define PAGE_NAME(x) host_##x
 #define POOL host_pool
+#define POOL4 host_pool4
+#define TEXELS host_texels
+#define TEXELS4 host_texels4
 #define ZONES host_zones
-#define TOP host_top
-#include "traverse.glsl"
-#undef PAGE_NAME
-#undef POOL
-#undef ZONES
-#undef TOP
+#define SET_ROOT frame.sets.z
+#define SET_ZONES frame.sets.w

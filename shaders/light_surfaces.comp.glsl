@@ -7,6 +7,8 @@
 #include "shading.glsl"
 #include "trace.glsl"
 #include "host_set.glsl"
+#include "traverse.glsl"
+#include "end_set.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 

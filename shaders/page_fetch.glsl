@@ -1,22 +1,78 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading a page: vertices and boxes come out as exact floats in lattice units relative to the camera's lattice point.
-// Needs POOL: the buffer's name. Exact because |q + offset| stays below 2^24 steps near the camera.
+// Reading pages of one set of zones. Needs PAGE_NAME, the pool by words (POOL, TEXELS) and by four (POOL4, TEXELS4).
+// Vertices come out as exact floats in lattice units relative to the camera's lattice point: |q + offset| stays below
+// 2^24 steps near the camera.
 
-ivec3 PAGE_NAME(zone_offset)(ZoneEntry zone) {
-  return ivec3(zone.origin_x, zone.origin_y, zone.origin_z) - frame.camera_lattice.xyz;
+uint PAGE_NAME(load)(uint word) {
+  return kPoolPath == kPoolTexels ? texelFetch(TEXELS, int(word)).x : POOL[word];
 }
 
-void PAGE_NAME(fetch_triangle)(ZoneEntry zone, ivec3 offset, uint triangle, out vec3 a, out vec3 b, out vec3 c,
-                               out uint material) {
-  const uint base = zone.page_word + POOL[zone.page_word + 4u] + triangle * kPageTriangleWords;
-  const uint w0 = POOL[base];
-  const uint w1 = POOL[base + 1u];
-  const uint w2 = POOL[base + 2u];
-  const uint w3 = POOL[base + 3u];
-  const uint w4 = POOL[base + 4u];
-  const int shift = int(zone.step_shift);
-  a = vec3((ivec3(w0 & 0xFFFFu, w0 >> 16, w1 & 0xFFFFu) << shift) + offset);
-  b = vec3((ivec3(w1 >> 16, w2 & 0xFFFFu, w2 >> 16) << shift) + offset);
-  c = vec3((ivec3(w3 & 0xFFFFu, w3 >> 16, w4 & 0xFFFFu) << shift) + offset);
-  material = w4 >> 16;
+// `word` is a multiple of four.
+uvec4 PAGE_NAME(load4)(uint word) {
+  return kPoolPath == kPoolTexels ? texelFetch(TEXELS4, int(word >> 2)) : POOL4[word >> 2];
+}
+
+struct PAGE_NAME(Cluster) {
+  ivec3 offset;  // from the camera's lattice point
+  int shift;
+  uint triangle_word;  // first word of the triangles, the vertices and the palette in the pool
+  uint vertex_word;
+  uint palette_word;
+  uint page_word;
+  uint first_triangle;
+  float error_m;
+};
+
+PAGE_NAME(Cluster) PAGE_NAME(load_cluster)(uint word) {
+  const uvec4 a = PAGE_NAME(load4)(word);
+  const uvec4 b = PAGE_NAME(load4)(word + 4u);
+  PAGE_NAME(Cluster) c;
+  c.offset = ivec3(a.xyz) - frame.camera_lattice.xyz;
+  c.shift = int(a.w >> 27);
+  c.triangle_word = word + kClusterHeaderWords;
+  c.vertex_word = c.triangle_word + ((a.w >> 9) & 0x3FFFFu);
+  c.error_m = uintBitsToFloat(b.x);
+  c.page_word = word - b.y;
+  c.first_triangle = b.z;
+  c.palette_word = word + b.w;
+  return c;
+}
+
+vec3 PAGE_NAME(load_vertex)(uint vertex_word, ivec3 offset, int shift, uint v) {
+  const uint word = vertex_word + ((3u * v) >> 1);
+  const uint w0 = PAGE_NAME(load)(word);
+  const uint w1 = PAGE_NAME(load)(word + 1u);
+  const bool odd = (v & 1u) != 0u;
+  const uvec3 q = odd ? uvec3(w0 >> 16, w1 & 0xFFFFu, w1 >> 16) : uvec3(w0 & 0xFFFFu, w0 >> 16, w1 & 0xFFFFu);
+  return vec3((ivec3(q) << shift) + offset);
+}
+
+// The triangle at a position of a page, for who has no cluster at hand.
+void PAGE_NAME(fetch_triangle)(uint page_word, uint triangle, out vec3 a, out vec3 b, out vec3 c, out uint material) {
+  uint low = page_word + PAGE_NAME(load)(page_word + 5u);  // the first entry of the cluster table
+  uint count = PAGE_NAME(load)(page_word + 4u);
+  while (count > 1u) {  // the last entry whose first triangle is not behind `triangle`
+    const uint half_count = count >> 1;
+    const uint middle = low + half_count * kClusterEntryWords;
+    low = PAGE_NAME(load)(middle) <= triangle ? middle : low;
+    count -= half_count;
+  }
+  const PAGE_NAME(Cluster) cluster = PAGE_NAME(load_cluster)(page_word + PAGE_NAME(load)(low + 1u));
+  const uint packed_triangle = PAGE_NAME(load)(cluster.triangle_word + triangle - cluster.first_triangle);
+  a = PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, packed_triangle & 0xFFu);
+  b = PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (packed_triangle >> 8) & 0xFFu);
+  c = PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (packed_triangle >> 16) & 0xFFu);
+  const uint place = packed_triangle >> 24;
+  material = (PAGE_NAME(load)(cluster.palette_word + (place >> 1)) >> (16u * (place & 1u))) & 0xFFFFu;
+}
+
+// The zone that a page belongs to; the zone table is sorted by page.
+ZoneEntry PAGE_NAME(zone_of_page)(uint page_word) {
+  uint low = 0u;
+  for (uint count = SET_ZONES; count > 1u;) {
+    const uint half_count = count >> 1;
+    low = ZONES[low + half_count].page_word <= page_word ? low + half_count : low;
+    count -= half_count;
+  }
+  return ZONES[low];
 }

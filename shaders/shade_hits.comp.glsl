@@ -8,7 +8,11 @@
 #include "trace.glsl"
 layout(constant_id = 2) const uint kTraceHost = 0u;
 #include "host_set.glsl"
+#include "traverse.glsl"
+#include "end_set.glsl"
 #include "proxy_set.glsl"
+#include "traverse.glsl"
+#include "end_set.glsl"
 
 layout(local_size_x = 64) in;
 #include "list_index.glsl"
@@ -16,7 +20,7 @@ layout(local_size_x = 64) in;
 void main() {
   const uint i = list_index();
   if (i >= counters.ray_count) return;
-  const RayTask task = rays[i];
+  const RayTask task = load_ray(i);
   const HitRecord hit = hits[i];
   const vec3 direction = vec3(task.dir_x, task.dir_y, task.dir_z);
   vec3 color = sky_radiance(direction);
@@ -33,11 +37,11 @@ void main() {
     vec3 c;
     uint material;
     if (kTraceHost != 0u) {
-      zone = host_zones[hit.zone];
-      host_fetch_triangle(zone, host_zone_offset(zone), hit.triangle, a, b, c, material);
+      zone = host_zone_of_page(hit.zone);
+      host_fetch_triangle(hit.zone, hit.triangle, a, b, c, material);
     } else {
-      zone = proxy_zones[hit.zone];
-      proxy_fetch_triangle(zone, proxy_zone_offset(zone), hit.triangle, a, b, c, material);
+      zone = proxy_zone_of_page(hit.zone);
+      proxy_fetch_triangle(hit.zone, hit.triangle, a, b, c, material);
     }
     const vec3 outward = normalize(cross(b - a, c - a));
     const vec3 normal = dot(outward, direction) > 0.0 ? -outward : outward;

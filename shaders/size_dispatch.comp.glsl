@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns the counts of the pixel and ray lists into indirect arguments, 64 invocations a group, in rows of at most
+// Turns the counts of the pixel, ray and retry lists into indirect arguments, 64 invocations a group, in rows of at most
 // 65,535 groups: more in one dimension is not for every device. See list_index.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -9,13 +9,29 @@ layout(local_size_x = 1) in;
 
 const uint kRow = 65535u;
 
+layout(constant_id = 4) const int kRaysPerLane = 4;
+
+uvec3 groups_of(uint invocations) {
+  const uint groups = (invocations + 63u) / 64u;
+  return uvec3(min(groups, kRow), (groups + kRow - 1u) / kRow, 1u);
+}
+
 void main() {
-  const uint ssr_groups = (counters.pixel_count + 63u) / 64u;
-  counters.ssr_groups_x = min(ssr_groups, kRow);
-  counters.ssr_groups_y = (ssr_groups + kRow - 1u) / kRow;
-  counters.ssr_groups_z = 1u;
-  const uint trace_groups = (counters.ray_count + 63u) / 64u;
-  counters.trace_groups_x = min(trace_groups, kRow);
-  counters.trace_groups_y = (trace_groups + kRow - 1u) / kRow;
-  counters.trace_groups_z = 1u;
+  const uvec3 ssr = groups_of(counters.pixel_count);
+  counters.ssr_groups_x = ssr.x;
+  counters.ssr_groups_y = ssr.y;
+  counters.ssr_groups_z = ssr.z;
+  const uvec3 trace = groups_of(counters.ray_count);
+  counters.trace_groups_x = trace.x;
+  counters.trace_groups_y = trace.y;
+  counters.trace_groups_z = trace.z;
+  const uint rays_per_lane = uint(max(kRaysPerLane, 1));
+  const uvec3 packets = groups_of((counters.ray_count + rays_per_lane - 1u) / rays_per_lane);
+  counters.packet_groups_x = packets.x;
+  counters.packet_groups_y = packets.y;
+  counters.packet_groups_z = packets.z;
+  const uvec3 retries = groups_of(kRaysPerLane > 0 ? counters.retry_count : counters.ray_count);
+  counters.retry_groups_x = retries.x;
+  counters.retry_groups_y = retries.y;
+  counters.retry_groups_z = retries.z;
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of tracing that does not depend on which set of zones is traced.
 
-layout(constant_id = 0) const int kStackSize = 64;  // from the data: deepest page + deepest top level
+layout(constant_id = 0) const int kStackSize = 32;  // from the data: deepest page + deepest top level
 
-// Nodes and leaves a ray may visit; a heavy ray of a city takes some two hundred. With up to eight triangles a leaf this
-// stays below the 65,535 iterations over all loops after which lavapipe ends them silently.
-const int kStepLimit = 4096;
+// Nodes a ray may visit; a heavy ray of a city takes some fifty. With up to 32 triangles a node this stays below the 65,535
+// iterations over all loops after which lavapipe ends them silently.
+const int kStepLimit = 2000;
 
 struct TraceRay {
   vec3 origin;  // metres, relative to camera_lattice
@@ -23,15 +23,83 @@ vec3 safe_reciprocal(vec3 d) {
   return s / max(abs(d), tiny);
 }
 
-// Slab test; the far distance is padded by 2 ulp so that rounding never loses a box (Ize 2013, section 3).
-bool hit_box(vec3 lo, vec3 hi, vec3 origin, vec3 reciprocal, float t_min, float t_max, out float t_near) {
-  precise vec3 t0 = (lo - origin) * reciprocal;
-  precise vec3 t1 = (hi - origin) * reciprocal;
-  const vec3 near = min(t0, t1);
-  const vec3 far = max(t0, t1);
-  t_near = max(max(near.x, near.y), max(near.z, t_min));
-  const float t_far = min(min(far.x, far.y), far.z) * 1.00000024;
-  return t_near <= min(t_far, t_max);
+// Bit per axis in which the ray runs backwards.
+uint direction_octant(vec3 d) { return (d.x < 0.0 ? 1u : 0u) | (d.y < 0.0 ? 2u : 0u) | (d.z < 0.0 ? 4u : 0u); }
+
+// What remains to be visited of one node's children: x = word of its first child node; y = from bit 24 the children hit,
+// one bit a slot in front-to-back order, and in the low byte which slots are nodes.
+uvec2 root_group(uint root) { return uvec2(root, 1u << 24); }
+
+// Takes the nearest child out of a group and returns its node's word.
+uint take_child(inout uvec2 group, uint octant) {
+  const uint first = uint(findLSB(group.y >> 24));
+  const uint slot = first ^ octant;
+  const uint below = group.y & ((1u << slot) - 1u) & 0xFFu;
+  group.y &= ~(1u << (24u + first));
+  return group.x + kPageNodeWords * uint(bitCount(below));
+}
+
+// Bits by slot to bits by `slot ^ octant`.
+uint order_slots(uint bits, uint octant) {
+  bits = (octant & 1u) != 0u ? (bits & 0x55u) << 1 | (bits >> 1 & 0x55u) : bits;
+  bits = (octant & 2u) != 0u ? (bits & 0x33u) << 2 | (bits >> 2 & 0x33u) : bits;
+  return (octant & 4u) != 0u ? (bits & 0x0Fu) << 4 | (bits >> 4 & 0x0Fu) : bits;
+}
+
+// The triangles of the leaves that were hit, as bits counted from the node's first triangle.
+uint leaf_triangles(uint leaves, uint counts) {
+  uint bits = 0u;
+  uint first = 0u;
+  for (int slot = 0; slot < int(kNodeWidth); ++slot) {
+    const uint count = (counts >> (4 * slot)) & 15u;
+    bits |= (leaves >> slot & 1u) != 0u ? ((1u << count) - 1u) << first : 0u;
+    first += count;
+  }
+  return bits;
+}
+
+// Entry distance of plane q is q * near_scale + near_start, exit distance q * far_scale + far_start. The true distance is
+// (q * 2^e + from) / d. In floats the product and the sum are off by at most 2^-24 of |q * scale|, |start| and the result
+// each, `start` itself by 3 * 2^-24 of its magnitude: widening scale by 4 and start by 8 units of 2^-24 covers it.
+// (The usual slab test with fused multiply-add has no such bound and loses boxes far from the origin; Ize 2013 pads the
+// far distance only, which holds for (plane - origin) * reciprocal.)
+struct SlabTest {
+  vec3 near_scale;
+  vec3 near_start;
+  vec3 far_scale;
+  vec3 far_start;
+};
+
+SlabTest make_slab_test(vec3 from, uint exponents, vec3 reciprocal) {
+  const uvec3 e = uvec3(exponents, exponents >> 5, exponents >> 10) & 31u;
+  const vec3 scale = uintBitsToFloat((e + 127u) << 23) * reciprocal;
+  const vec3 start = from * reciprocal;
+  const vec3 pad_scale = abs(scale) * (4.0 / 16777216.0);
+  const vec3 pad_start = abs(start) * (8.0 / 16777216.0);
+  return SlabTest(scale - pad_scale, start - pad_start, scale + pad_scale, start + pad_start);
+}
+
+// Four children at once: bit i is set when the ray meets child i between t_min and t_max. Distances are compared as
+// integers: IEEE floats of one sign order alike, and a negative exit distance loses to t_min >= 0 however it compares with
+// other negatives. (A minimum of floats costs llvmpipe three instructions for NaN, one of integers costs one.)
+uint hit_four(SlabTest s, uint near_x, uint near_y, uint near_z, uint far_x, uint far_y, uint far_z, float t_min,
+              float t_max) {
+  const int least = floatBitsToInt(t_min);
+  const int most = floatBitsToInt(t_max);
+  uint hits = 0u;
+  for (int i = 0; i < 4; ++i) {
+    const int shift = 8 * i;
+    const int x0 = floatBitsToInt(float((near_x >> shift) & 0xFFu) * s.near_scale.x + s.near_start.x);
+    const int y0 = floatBitsToInt(float((near_y >> shift) & 0xFFu) * s.near_scale.y + s.near_start.y);
+    const int z0 = floatBitsToInt(float((near_z >> shift) & 0xFFu) * s.near_scale.z + s.near_start.z);
+    const int x1 = floatBitsToInt(float((far_x >> shift) & 0xFFu) * s.far_scale.x + s.far_start.x);
+    const int y1 = floatBitsToInt(float((far_y >> shift) & 0xFFu) * s.far_scale.y + s.far_start.y);
+    const int z1 = floatBitsToInt(float((far_z >> shift) & 0xFFu) * s.far_scale.z + s.far_start.z);
+    const int enter = max(max(x0, y0), max(z0, least));
+    const int leave = min(min(x1, y1), min(z1, most));
+    hits |= enter <= leave ? 1u << i : 0u;
+  }
+  return hits;
 }
 
 // Puts the axis in which the ray is longest last.
@@ -52,18 +120,19 @@ Shear make_shear(vec3 d) {
   return s;
 }
 
-// Watertight ray/triangle test (Woop et al. 2013, section 3.2), both sides. An edge function of exactly zero counts as
-// inside for both neighbours: no ray slips between, and a closest hit does not care which of the two it gets.
-bool hit_triangle(vec3 a, vec3 b, vec3 c, vec3 origin, Shear s, out float t) {
-  const vec3 pa = permute(a - origin, s.longest);
-  const vec3 pb = permute(b - origin, s.longest);
-  const vec3 pc = permute(c - origin, s.longest);
-  precise float ax = pa.x - s.scale.x * pa.z;
-  precise float ay = pa.y - s.scale.y * pa.z;
-  precise float bx = pb.x - s.scale.x * pb.z;
-  precise float by = pb.y - s.scale.y * pb.z;
-  precise float cx = pc.x - s.scale.x * pc.z;
-  precise float cy = pc.y - s.scale.y * pc.z;
+// Watertight ray/triangle test (Woop et al. 2013, section 3.2), both sides; corners and origin are permuted. An edge
+// function of exactly zero counts as inside for both neighbours: no ray slips between. All of it is `precise`, so that
+// every kernel finds the same distance.
+bool hit_triangle(vec3 a, vec3 b, vec3 c, vec3 origin, vec3 scale, out float t) {
+  const vec3 pa = a - origin;
+  const vec3 pb = b - origin;
+  const vec3 pc = c - origin;
+  precise float ax = pa.x - scale.x * pa.z;
+  precise float ay = pa.y - scale.y * pa.z;
+  precise float bx = pb.x - scale.x * pb.z;
+  precise float by = pb.y - scale.y * pb.z;
+  precise float cx = pc.x - scale.x * pc.z;
+  precise float cy = pc.y - scale.y * pc.z;
   precise float u0 = cx * by;
   precise float u1 = cy * bx;
   precise float v0 = ax * cy;
@@ -73,10 +142,26 @@ bool hit_triangle(vec3 a, vec3 b, vec3 c, vec3 origin, Shear s, out float t) {
   // Products are compared, never subtracted first: the sign is right even where the difference rounds to zero.
   const bool positive = u0 >= u1 && v0 >= v1 && w0 >= w1;
   const bool negative = u0 <= u1 && v0 <= v1 && w0 <= w1;
-  const float u = u0 - u1;
-  const float v = v0 - v1;
-  const float w = w0 - w1;
-  const float det = u + v + w;
-  t = (u * pa.z + v * pb.z + w * pc.z) * s.scale.z / det;
+  precise float u = u0 - u1;
+  precise float v = v0 - v1;
+  precise float w = w0 - w1;
+  precise float det = u + v + w;
+  precise float distance = (u * pa.z + v * pb.z + w * pc.z) * scale.z / det;
+  t = distance;
   return (positive || negative) && det != 0.0;
+}
+
+// A hit on the surface that the ray itself leaves, seen through a proxy that lies up to its error off it, is no hit: the
+// proxy's measured error bound decides, not a constant (the thesis's self-reflection fault). Such a face winds as the
+// surface does; a façade across the street winds against it and counts however coarse the proxy is.
+bool winds_with(vec3 a, vec3 b, vec3 c, vec3 plane) {
+  precise vec3 n = cross(b - a, c - a);
+  precise float along = dot(n, plane);
+  return along > 0.7 * length(n);
+}
+
+// How far a ray has come from its plane at a distance; its direction is its shear over `scale.z`. Permuted.
+float height_over(float t, vec3 scale, vec3 plane) {
+  precise float height = t * (scale.x * plane.x + scale.y * plane.y + plane.z) / scale.z;
+  return abs(height);
 }

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closest and any hit against one set of resident zones. Include once per set with
-//   PAGE_NAME(x)  the set's prefix     POOL, ZONES, TOP  its buffers
+// Closest and any hit of one ray an invocation against one set of zones (proxy_set.glsl, host_set.glsl), by the node
+// order of Ylitie, Karras & Laine 2017, section 4: children lie in slots such that `slot ^ octant` is roughly front to
+// back; a stack entry is what remains of one node's children.
 // Everything runs in lattice units relative to the camera's lattice point: multiplying by a power of two is exact, so
 // distances convert to metres without loss.
 
 #include "page_fetch.glsl"
 
-// A hit on the surface that the ray itself leaves, seen through a proxy that lies up to `error_m` off it, is no hit: the
-// proxy's measured error bound decides, not a constant (the thesis's self-reflection fault). Such a face winds as the
-// surface does; a façade across the street winds against it and counts however coarse the proxy is.
-bool PAGE_NAME(own_surface)(TraceRay ray, float t_m, float error_m, vec3 a, vec3 b, vec3 c) {
-  const float height_m = abs(t_m * dot(ray.direction, ray.plane));
-  const vec3 n = cross(b - a, c - a);
-  return height_m <= error_m && dot(n, ray.plane) > 0.7 * length(n);
+HitRecord PAGE_NAME(make_hit)(float t, uint triangle_word, uint cluster_word) {
+  if (triangle_word == kNoZone) return HitRecord(0.0, kNoZone, 0u, 0u);
+  const uvec4 tail = PAGE_NAME(load4)(cluster_word + 4u);
+  return HitRecord(t * frame.sun_radiance.w, cluster_word - tail.y,
+                   tail.z + triangle_word - cluster_word - kClusterHeaderWords, 0u);
 }
 
 // any: stop at the first hit. A ray that reaches the step bound comes back as kHitLost.
@@ -22,116 +21,88 @@ HitRecord PAGE_NAME(trace)(TraceRay ray, bool any) {
   const vec3 origin = ray.origin * per_m;
   const vec3 reciprocal = safe_reciprocal(ray.direction);
   const Shear shear = make_shear(ray.direction);
+  const vec3 sheared_origin = permute(origin, shear.longest);
   const bool leaves_surface = dot(ray.plane, ray.plane) > 0.0;
+  const vec3 sheared_plane = permute(ray.plane, shear.longest);
+  const uint octant = direction_octant(ray.direction);
+  const bvec3 backward = lessThan(ray.direction, vec3(0.0));
   const float t_min = ray.t_min * per_m;
   float t_max = ray.t_max * per_m;
+  uint best = kNoZone;  // the triangle's word
+  uint best_cluster = 0u;
 
-  HitRecord hit = HitRecord(ray.t_max, kNoZone, 0u, 0u);
-  uint stack[kStackSize];
+  uvec2 stack[kStackSize];
   int sp = 0;
-  uint ref = 0u;  // top level's root
+  uvec2 group = root_group(SET_ROOT);
+  uint triangles = 0u;  // bit i: triangle i of the node that was visited last is to be tested
+  uint triangle_word = 0u;
+  uint cluster_word = 0u;
   int steps = 0;
   bool done = false;
-  for (; !done && steps < kStepLimit; ++steps) {
-    uint next = kRefNone;
-    if ((ref & kRefLeaf) == 0u) {
-      const TopNode node = TOP[ref];
-      float near0;
-      float near1;
-      const ivec3 camera = frame.camera_lattice.xyz;
-      const bool hit0 = node.ref0 != kRefNone &&
-                        hit_box(vec3(ivec3(node.min0_x, node.min0_y, node.min0_z) - camera),
-                                vec3(ivec3(node.max0_x, node.max0_y, node.max0_z) - camera), origin, reciprocal, t_min,
-                                t_max, near0);
-      const bool hit1 = node.ref1 != kRefNone &&
-                        hit_box(vec3(ivec3(node.min1_x, node.min1_y, node.min1_z) - camera),
-                                vec3(ivec3(node.max1_x, node.max1_y, node.max1_z) - camera), origin, reciprocal, t_min,
-                                t_max, near1);
-      if (hit0 && hit1) {
-        const bool swap = near1 < near0;
-        next = swap ? node.ref1 : node.ref0;
-        stack[sp++] = swap ? node.ref0 : node.ref1;
-      } else {
-        next = hit0 ? node.ref0 : (hit1 ? node.ref1 : kRefNone);
+  while (!done && steps < kStepLimit) {
+    for (; triangles == 0u && !done && steps < kStepLimit; ++steps) {
+      if ((group.y >> 24) == 0u) {
+        done = sp == 0;
+        sp = max(sp - 1, 0);
+        group = stack[sp];
       }
-    } else {
-      // One zone, to the end: its page stays in cache while lanes of the group are in it.
-      const uint slot = ref & ~kRefLeaf;
-      const ZoneEntry zone = ZONES[slot];
-      const ivec3 offset = PAGE_NAME(zone_offset)(zone);
-      const int shift = int(zone.step_shift);
-      const int floor_sp = sp;
-      uint inner = 0u;
-      bool in_zone = true;
-      for (; in_zone && steps < kStepLimit; ++steps) {
-        uint inner_next = kRefNone;
-        if ((inner & kRefLeaf) == 0u) {
-          const uint base = zone.page_word + kPageHeaderWords + inner * kBvhNodeWords;
-          const uint w0 = POOL[base];
-          const uint w1 = POOL[base + 1u];
-          const uint w2 = POOL[base + 2u];
-          const uint w3 = POOL[base + 3u];
-          const uint w4 = POOL[base + 4u];
-          const uint w5 = POOL[base + 5u];
-          const uint ref0 = POOL[base + 6u];
-          const uint ref1 = POOL[base + 7u];
-          float near0;
-          float near1;
-          const bool hit0 =
-              hit_box(vec3((ivec3(w0 & 0xFFFFu, w0 >> 16, w1 & 0xFFFFu) << shift) + offset),
-                      vec3((ivec3(w1 >> 16, w2 & 0xFFFFu, w2 >> 16) << shift) + offset), origin, reciprocal, t_min,
-                      t_max, near0);
-          const bool hit1 =
-              ref1 != kRefNone &&
-              hit_box(vec3((ivec3(w3 & 0xFFFFu, w3 >> 16, w4 & 0xFFFFu) << shift) + offset),
-                      vec3((ivec3(w4 >> 16, w5 & 0xFFFFu, w5 >> 16) << shift) + offset), origin, reciprocal, t_min,
-                      t_max, near1);
-          if (hit0 && hit1) {
-            const bool swap = near1 < near0;
-            inner_next = swap ? ref1 : ref0;
-            stack[sp++] = swap ? ref0 : ref1;
-          } else {
-            inner_next = hit0 ? ref0 : (hit1 ? ref1 : kRefNone);
-          }
-        } else {
-          const uint first = inner & kRefFirstMask;
-          const uint count = (inner >> kRefCountShift) & kRefCountMask;
-          for (uint i = 0u; i < count; ++i) {
-            vec3 a;
-            vec3 b;
-            vec3 c;
-            uint material;
-            PAGE_NAME(fetch_triangle)(zone, offset, first + i, a, b, c, material);
-            float t;
-            if (hit_triangle(a, b, c, origin, shear, t) && t >= t_min && t < t_max &&
-                !(leaves_surface && PAGE_NAME(own_surface)(ray, t * step_m, zone.error_m + 2.0 * step_m, a, b, c))) {
-              t_max = t;
-              hit = HitRecord(t * step_m, slot, first + i, 0u);
-              if (any) {
-                done = true;
-                in_zone = false;
-              }
-            }
-          }
-        }
-        if (inner_next != kRefNone) {
-          inner = inner_next;
-        } else if (sp == floor_sp) {
-          in_zone = false;
-        } else {
-          inner = stack[--sp];
-        }
+      if (!done) {
+        const uint node = take_child(group, octant);
+        if ((group.y >> 24) != 0u) stack[sp++] = group;
+        const uvec4 h0 = PAGE_NAME(load4)(node);
+        const uvec4 h1 = PAGE_NAME(load4)(node + 4u);
+        const uvec4 p0 = PAGE_NAME(load4)(node + 8u);
+        const uvec4 p1 = PAGE_NAME(load4)(node + 12u);
+        const uvec4 p2 = PAGE_NAME(load4)(node + 16u);
+        const vec3 from = vec3(ivec3(h0.xyz) - frame.camera_lattice.xyz) - origin;
+        const SlabTest slab = make_slab_test(from, h0.w, reciprocal);
+        const uvec2 near_x = backward.x ? p1.zw : p0.xy;
+        const uvec2 near_y = backward.y ? p2.xy : p0.zw;
+        const uvec2 near_z = backward.z ? p2.zw : p1.xy;
+        const uvec2 far_x = backward.x ? p0.xy : p1.zw;
+        const uvec2 far_y = backward.y ? p0.zw : p2.xy;
+        const uvec2 far_z = backward.z ? p1.xy : p2.zw;
+        const uint hits = hit_four(slab, near_x.x, near_y.x, near_z.x, far_x.x, far_y.x, far_z.x, t_min, t_max) |
+                          hit_four(slab, near_x.y, near_y.y, near_z.y, far_x.y, far_y.y, far_z.y, t_min, t_max) << 4;
+        const uint inner = (h0.w >> 16) & 0xFFu;
+        group = uvec2(node + h1.x, order_slots(hits & inner, octant) << 24 | inner);
+        triangles = leaf_triangles(hits & (h0.w >> 24), h1.z);
+        triangle_word = node + h1.y;
+        cluster_word = node + h1.w;
       }
-      if (in_zone) break;  // the step bound, inside a zone: lost, even where nothing else is on the stack
     }
-    if (next != kRefNone) {
-      ref = next;
-    } else if (sp == 0) {
-      done = true;
-    } else {
-      ref = stack[--sp];
+    if (triangles != 0u) {
+      const PAGE_NAME(Cluster) cluster = PAGE_NAME(load_cluster)(cluster_word);
+      const float own_height_m = cluster.error_m + 2.0 * step_m;
+      for (; triangles != 0u; triangles &= triangles - 1u) {
+        const uint word = triangle_word + uint(findLSB(triangles));
+        const uint corners = PAGE_NAME(load)(word);
+        const vec3 a = permute(PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, corners & 0xFFu),
+                               shear.longest);
+        const vec3 b = permute(
+            PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (corners >> 8) & 0xFFu),
+            shear.longest);
+        const vec3 c = permute(
+            PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (corners >> 16) & 0xFFu),
+            shear.longest);
+        float t;
+        const bool met = hit_triangle(a, b, c, sheared_origin, shear.scale, t);
+        const bool own = leaves_surface && winds_with(a, b, c, sheared_plane) &&
+                         height_over(t, shear.scale, sheared_plane) * step_m <= own_height_m;
+        // Of triangles at the same distance the first in the pool wins, in whatever order they are met.
+        if (met && t >= t_min && (t < t_max || (t == t_max && word < best)) && !own) {
+          t_max = t;
+          best = word;
+          best_cluster = cluster_word;
+          if (any) {
+            done = true;
+            triangles = 0u;
+            break;
+          }
+        }
+      }
     }
   }
-  if (!done) hit.zone = kHitLost;
-  return hit;
+  if (!done) return HitRecord(0.0, kHitLost, 0u, 0u);
+  return PAGE_NAME(make_hit)(t_max, best, best_cluster);
 }

@@ -52,7 +52,7 @@ std::uint64_t compressed_bytes(const NodeRecord& node) { return node.glb_bytes +
 
 std::uint64_t scratch_bytes(const NodeRecord& node) {
   if (node.scratch_bytes != 0) return node.scratch_bytes;  // decoding refuses to take more
-  return decode_scratch_bound(node.triangle_count, node.vertex_count, node.glb_bytes);
+  return decode_scratch_bound(node, node.glb_bytes);
 }
 
 }  // namespace zc

@@ -6,14 +6,15 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
+#include <set>
 #include <utility>
 
 #include "base/check.h"
 #include "base/file.h"
 #include "replay/world_report.h"
-#include "shaders/shared/page.h"
 #include "streamer/page_loader.h"
 #include "streamer/source.h"
+#include "streamer/world_format/page_view.h"
 
 namespace zc::bench {
 namespace {
@@ -23,16 +24,15 @@ constexpr float kLargestValue = 1.8e18F;
 constexpr std::int64_t kExactSteps = 1 << 24;
 constexpr double kOffsetSteps = 4;  // of a mirror ray's origin, off its surface
 
-using PageCorners = std::array<std::array<std::uint32_t, 3>, 3>;  // in units of the page's step, from its origin
-
-// The only place that knows how a page keeps its triangles.
-std::vector<PageCorners> page_triangles(std::span<const std::uint32_t> page) {
-  std::vector<PageCorners> triangles(page[2]);
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const auto w = page.subspan(page[4] + i * gpu::kPageTriangleWords, gpu::kPageTriangleWords);
-    const auto low = [&](std::size_t at) { return w[at] & 0xFFFFU; };
-    const auto high = [&](std::size_t at) { return w[at] >> 16U; };
-    triangles[i] = {{{low(0), high(0), low(1)}, {high(1), low(2), high(2)}, {low(3), high(3), low(4)}}};
+// The triangles of a page, each once: spatial splits keep copies.
+std::vector<PageView::Triangle> page_triangles(std::span<const std::uint32_t> page) {
+  const PageView view(page);
+  const bool split = (view.header().flags & gpu::kPageSplitTriangles) != 0;
+  std::vector<PageView::Triangle> triangles;
+  std::set<std::array<PageView::Point, 3>> seen;
+  for (std::uint32_t i = 0; i < view.header().triangle_count; ++i) {
+    const PageView::Triangle triangle = view.triangle(i);
+    if (!split || seen.insert(triangle.corners).second) triangles.push_back(triangle);
   }
   return triangles;
 }
@@ -97,12 +97,11 @@ Result<BenchScene> load_world_scene(const std::filesystem::path& world, const Wo
     if (!node.is_detail()) continue;
     ZC_ASSIGN(const std::vector<std::uint32_t> page, load_page(*source, index, id));
     assembly.begin_zone(node.step_shift);
-    for (const PageCorners& triangle : page_triangles(page)) {
+    for (const PageView::Triangle& triangle : page_triangles(page)) {
       std::array<CrsPoint, 3> corners;
       for (std::size_t i = 0; i < 9; ++i) {
         const std::size_t axis = i % 3;
-        corners[i / 3][axis] =
-            anchor[axis] + node.origin[axis] + (std::int64_t{triangle[i / 3][axis]} << node.step_shift);
+        corners[i / 3][axis] = anchor[axis] + triangle.corners[i / 3][axis];
       }
       ZC_TRY(assembly.add(corners));
     }

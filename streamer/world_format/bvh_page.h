@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// `.zbvh`: the BVH of one node, built on its decoded Draco mesh, and the order of that mesh's triangles in the leaves.
+// `.zbvh`: the BVH of one node, built on its decoded Draco mesh, and which of that mesh's triangles its leaves hold; and
+// the page that both make.
 //
-//   BvhFileHeader | gpu::BvhNode × node_count | u32 × triangle_count (page position -> decoded triangle)
+//   BvhFileHeader | gpu::PageNode × node_count | u32 × reference_count (page position -> decoded triangle)
+//                 | u32 × cluster_count (each cluster's first position)
+//
+// In the file a node's child_offset is the number of its first child node, triangle_offset the position of the first
+// triangle of its leaves and cluster_offset the number of their cluster, each 0 where there is none.
 //
 // Untrusted input. Thread-safe: plain values.
 #pragma once
@@ -20,18 +25,28 @@
 namespace zc {
 
 struct BvhFileHeader {
-  std::array<char, 4> magic = {'Z', 'B', 'V', '1'};
+  std::array<char, 4> magic = {'Z', 'B', 'V', '2'};
+  std::uint32_t flags = 0;  // as in gpu::PageHeader
   std::uint32_t node_count = 0;
-  std::uint32_t triangle_count = 0;
+  std::uint32_t reference_count = 0;
+  std::uint32_t cluster_count = 0;
   std::uint32_t depth = 0;
 };
-static_assert(sizeof(BvhFileHeader) == 16);
+static_assert(sizeof(BvhFileHeader) == 24);
 
 struct BvhFile {
+  std::uint32_t flags = 0;
   std::uint32_t depth = 0;
-  std::vector<gpu::BvhNode> nodes;
-  std::vector<std::uint32_t> order;
+  std::vector<gpu::PageNode> nodes;     // node 0 is the root; children lie behind their parents
+  std::vector<std::uint32_t> order;     // by position; with spatial splits a triangle may come several times
+  std::vector<std::uint32_t> clusters;  // ascending from 0
 };
+
+// Bytes of a `.zbvh` with these counts.
+[[nodiscard]] constexpr std::uint64_t bvh_file_bytes(std::uint64_t nodes, std::uint64_t references,
+                                                     std::uint64_t clusters) {
+  return sizeof(BvhFileHeader) + sizeof(gpu::PageNode) * nodes + sizeof(std::uint32_t) * (references + clusters);
+}
 
 std::vector<std::byte> encode_bvh_file(const BvhFile& bvh);
 Result<BvhFile> decode_bvh_file(std::span<const std::byte> bytes, const std::string& path);
@@ -48,8 +63,8 @@ struct ZoneMesh {
 // Fails on anything malformed, never reads out of bounds. Checks counts against `node` before it takes memory.
 Result<ZoneMesh> decode_zone_glb(std::span<const std::byte> bytes, const NodeRecord& node, const std::string& path);
 
-// Joins both into the GPU page and checks it in one linear pass: every reference in range, depth, every box contains
-// its children and triangles, each triangle in exactly one leaf, materials in range.
+// Joins both into the GPU page and checks it. Fails when they do not fit each other or the index's record, and as
+// verify_page does. A record's page_bytes of 0, while a bake does not know it yet, fits every page.
 Result<std::vector<std::uint32_t>> assemble_page(const ZoneMesh& mesh, const BvhFile& bvh, const NodeRecord& node,
                                                  std::uint32_t material_count, const std::string& path);
 
@@ -58,9 +73,14 @@ Result<std::vector<std::uint32_t>> assemble_page(const ZoneMesh& mesh, const Bvh
 // decoding refuses a file that asks for more; the second holds for any file of this size, for records with
 // scratch_bytes 0.
 std::uint32_t decode_scratch_bytes(std::span<const std::byte> glb, const NodeRecord& node);
-std::uint32_t decode_scratch_bound(std::uint32_t triangle_count, std::uint32_t vertex_count, std::uint64_t glb_bytes);
+std::uint32_t decode_scratch_bound(const NodeRecord& node, std::uint64_t glb_bytes);
 
-// The check alone, for pages from anywhere.
+// The part of both that goes by bvh_bytes and reference_count; 0 while a bake does not know them.
+std::uint32_t bvh_scratch_bytes(const NodeRecord& node);
+
+// The check alone, for pages from anywhere, in one linear pass: every reference in range, every node and triangle
+// position reached once, depth, every box contains its children and triangles, materials in range. After it, a traversal
+// with a stack for the page's depth stays in the page and ends.
 Status verify_page(std::span<const std::uint32_t> page, std::uint32_t material_count, const std::string& path);
 
 }  // namespace zc

@@ -1,174 +1,259 @@
 // SPDX-License-Identifier: Apache-2.0
-// verify_page: after it, a traversal of the page with a stack of kPageMaxDepth stays in the page and ends.
+// verify_page: after it, a traversal with a stack for the page's depth stays in the page and ends.
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <cmath>
+#include <optional>
+#include <vector>
 
+#include "shaders/shared/page_node.h"
 #include "streamer/world_format/bvh_page.h"
+#include "streamer/world_format/page_view.h"
 
 namespace zc {
 namespace {
 
-using Point = std::array<std::uint32_t, 3>;
-
-struct Box {
-  Point low = {0xFFFF, 0xFFFF, 0xFFFF};
-  Point high = {0, 0, 0};
-
-  void grow(const Point& point) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], point[axis]);
-      high[axis] = std::max(high[axis], point[axis]);
-    }
-  }
-  [[nodiscard]] bool contains(const Box& other) const {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      if (other.low[axis] < low[axis] || other.high[axis] > high[axis]) return false;
-    return true;
-  }
-};
-
-Box unpack_box(std::uint32_t min_xy, std::uint32_t min_z_max_x, std::uint32_t max_yz) {
-  return {{min_xy & 0xFFFFU, min_xy >> 16U, min_z_max_x & 0xFFFFU},
-          {min_z_max_x >> 16U, max_yz & 0xFFFFU, max_yz >> 16U}};
-}
-
-// A node's two children: box and reference.
-struct Child {
-  Box box;
-  std::uint32_t ref;
-};
-std::array<Child, 2> children(const gpu::BvhNode& node) {
-  return {Child{unpack_box(node.min0_xy, node.min0_z_max0_x, node.max0_yz), node.ref0},
-          Child{unpack_box(node.min1_xy, node.min1_z_max1_x, node.max1_yz), node.ref1}};
-}
-
 class PageCheck {
  public:
-  PageCheck(std::span<const std::uint32_t> page, const std::string& path) : page_(page), path_(path) {}
+  PageCheck(std::span<const std::uint32_t> page, std::uint32_t material_count, const std::string& path)
+      : page_(page), material_count_(material_count), path_(path) {}
 
-  Status run(std::uint32_t material_count) {
+  Status run() {
     ZC_TRY(check_header());
-    node_seen_.assign(header_.node_count, false);
-    triangle_seen_.assign(header_.triangle_count, false);
-    ZC_TRY(walk());
-    if (nodes_met_ != header_.node_count) return fault("a node is not part of the tree", header_.node_offset_words);
-    if (triangles_met_ != header_.triangle_count)
-      return fault("a triangle is in no leaf", header_.triangle_offset_words);
-    for (std::uint32_t t = 0; t < header_.triangle_count; ++t)
-      if ((triangle_words(t)[4] >> 16U) >= material_count) return fault("material out of range", triangle_word(t) + 4);
+    ZC_TRY(check_clusters());
+    depth_.assign(header_.node_count, 0);
+    position_seen_.assign(header_.triangle_count, false);
+    depth_[0] = 1;
+    std::uint32_t positions = 0;
+    std::uint32_t deepest = 0;
+    for (std::uint32_t i = 0; i < header_.node_count; ++i) {
+      const gpu::PageNode node = view_->node(i);
+      if (depth_[i] == 0) return fault("a node is not part of the tree", PageView::node_word(i));
+      deepest = std::max<std::uint32_t>(deepest, depth_[i]);
+      ZC_TRY(check_slots(i, node));
+      ZC_TRY(check_children(i, node));
+      ZC_TRY(check_leaves(i, node, positions));
+    }
+    if (deepest != header_.depth) return fault("depth differs from its header", kWord(offsetof(gpu::PageHeader, depth)));
+    if (positions != header_.triangle_count) return fault("a triangle is in no leaf", header_.entries_offset_words);
     return {};
   }
 
  private:
+  static constexpr std::size_t kWord(std::size_t byte) { return byte / sizeof(std::uint32_t); }
+
   [[nodiscard]] Error fault(const char* cause, std::size_t word) const {
     return {ErrorCode::kFormat, std::string("page: ") + cause + " (word " + std::to_string(word) + ")", path_};
   }
 
   Status check_header() {
-    if (page_.size() < gpu::kPageHeaderWords) return fault("too short", page_.size());
-    std::memcpy(&header_, page_.data(), sizeof header_);
-    if (header_.magic != gpu::kPageMagic) return fault("wrong magic", 0);
-    if (header_.node_count == 0 || header_.node_count > gpu::kRefFirstMask) return fault("node count out of range", 1);
-    if (header_.triangle_count == 0 || header_.triangle_count > gpu::kRefFirstMask)
-      return fault("triangle count out of range", 2);
-    const std::uint64_t triangles_at = gpu::kPageHeaderWords + std::uint64_t{gpu::kBvhNodeWords} * header_.node_count;
-    const std::uint64_t total = triangles_at + std::uint64_t{gpu::kPageTriangleWords} * header_.triangle_count;
-    if (total != page_.size() || header_.total_words != total) return fault("size does not follow from its counts", 6);
-    if (header_.node_offset_words != gpu::kPageHeaderWords || header_.triangle_offset_words != triangles_at)
-      return fault("a part is not where it belongs", 3);
-    if (header_.depth == 0 || header_.depth > gpu::kPageMaxDepth) return fault("depth out of range", 5);
-    if (header_.reserved != 0) return fault("a reserved word is not zero", 7);
+    if (page_.size() < gpu::kPageHeaderWords || page_.size() > UINT32_MAX) return fault("size out of range", 0);
+    view_.emplace(page_);
+    header_ = view_->header();
+    const gpu::PageHeader& h = header_;
+    if (h.magic != gpu::kPageMagic) return fault("wrong magic", 0);
+    if ((h.flags & ~gpu::kPageSplitTriangles) != 0) return fault("unknown flags", 1);
+    if (h.node_count == 0 || h.node_count > gpu::kPageMaxNodes) return fault("node count out of range", 2);
+    if (h.triangle_count == 0 || h.triangle_count > gpu::kPageMaxTriangles)
+      return fault("triangle count out of range", 3);
+    if (h.cluster_count == 0 || h.cluster_count > h.triangle_count) return fault("cluster count out of range", 4);
+    if (h.depth == 0 || h.depth > gpu::kPageMaxDepth) return fault("depth out of range", 8);
+    for (std::size_t word = 10; word < gpu::kPageHeaderWords; ++word)
+      if (page_[word] != 0) return fault("a reserved word is not zero", word);
+    clusters_word_ = PageView::node_word(h.node_count);
+    const std::uint64_t palette_words = (std::uint64_t{h.palette_count} + 1) / 2;
+    const std::uint64_t end = h.palette_offset_words + palette_words;
+    if (h.entries_offset_words < clusters_word_ ||
+        h.palette_offset_words !=
+            h.entries_offset_words + std::uint64_t{gpu::kClusterEntryWords} * h.cluster_count ||
+        h.palette_count == 0)
+      return fault("a part is not where it belongs", 5);
+    if (h.total_words != page_.size() || page_.size() % gpu::kPageAlignWords != 0 || end > page_.size() ||
+        page_.size() - end >= gpu::kPageAlignWords)
+      return fault("size does not follow from its counts", 9);
     return {};
   }
 
-  // Depth first; each node is entered once, so this is linear however the references are laid.
-  Status walk() {
-    struct Entry {
-      std::uint32_t node;
-      std::uint32_t depth;
-    };
-    // Each level leaves at most one sibling behind.
-    std::array<Entry, gpu::kPageMaxDepth + 1> stack;
-    std::size_t top = 0;
-    stack[top++] = {0, 1};
-    node_seen_[0] = true;
-    nodes_met_ = 1;
-    while (top > 0) {
-      const Entry entry = stack[--top];
-      const std::size_t word = node_word(entry.node);
-      if (entry.depth > header_.depth) return fault("deeper than its header says", word);
-      const std::array<Child, 2> both = children(node(entry.node));
-      // The traversal takes the first child as given: a single child is the first.
-      if (both[0].ref == gpu::kRefNone) return fault("a node without a first child", word);
-      for (const Child& child : both) {
-        if (child.ref == gpu::kRefNone) continue;
-        if ((child.ref & gpu::kRefLeaf) != 0) {
-          ZC_TRY(check_leaf(child, word));
-          continue;
-        }
-        if (child.ref >= header_.node_count) return fault("child out of range", word);
-        if (node_seen_[child.ref]) return fault("a node has two parents", word);
-        node_seen_[child.ref] = true;
-        ++nodes_met_;
-        for (const Child& grandchild : children(node(child.ref)))
-          if (grandchild.ref != gpu::kRefNone && !child.box.contains(grandchild.box))
-            return fault("a box does not contain its children", word);
-        if (entry.depth == header_.depth) return fault("deeper than its header says", word);
-        stack[top++] = {child.ref, entry.depth + 1};
+  Status check_clusters() {
+    std::uint64_t at = clusters_word_;
+    std::uint64_t position = 0;
+    for (std::uint32_t c = 0; c < header_.cluster_count; ++c) {
+      const gpu::ClusterEntry entry = view_->entry(c);
+      if (entry.offset_words != at || entry.first_triangle != position)
+        return fault("a cluster's entry is wrong", header_.entries_offset_words + gpu::kClusterEntryWords * c);
+      if (at + gpu::kClusterHeaderWords > header_.entries_offset_words) return fault("cluster out of range", at);
+      const auto cluster = page_record<gpu::ClusterHeader>(page_, at);
+      const std::uint64_t triangles = cluster_triangles(cluster);
+      const std::uint64_t vertices = cluster_vertices(cluster);
+      const std::uint64_t words = cluster_words(vertices, triangles);
+      if (triangles == 0 || vertices == 0 || vertices > gpu::kClusterMaxVertices ||
+          at + words > header_.entries_offset_words)
+        return fault("cluster out of range", at);
+      if (!std::isfinite(cluster.error_m) || cluster.error_m < 0) return fault("an error bound is not a number", at + 4);
+      if (cluster.page_back_words != at || cluster.first_triangle != position)
+        return fault("a cluster does not know its place", at + 5);
+      const std::uint64_t palette = at + cluster.palette_words;
+      if (palette < header_.palette_offset_words) return fault("palette out of range", at + 7);
+      const std::uint64_t first = 2 * (palette - header_.palette_offset_words);
+      for (std::uint64_t t = 0; t < triangles; ++t) {
+        const std::size_t word = at + gpu::kClusterHeaderWords + t;
+        const std::uint32_t packed = page_[word];
+        const std::uint32_t most = std::max({packed & 0xFFU, packed >> 8 & 0xFFU, packed >> 16 & 0xFFU});
+        if (most >= vertices) return fault("a triangle's vertex out of range", word);
+        const std::uint64_t place = first + (packed >> 24);
+        if (place >= header_.palette_count) return fault("a triangle's material out of the palette", word);
+      }
+      at += words;
+      position += triangles;
+    }
+    if (at != header_.entries_offset_words) return fault("clusters and entries do not meet", at);
+    if (position != header_.triangle_count) return fault("the clusters have another number of triangles", 3);
+    for (std::uint32_t i = 0; i < header_.palette_count; ++i) {
+      const std::size_t word = header_.palette_offset_words + i / 2;
+      if ((page_[word] >> (16 * (i % 2)) & 0xFFFFU) >= material_count_) return fault("material out of range", word);
+    }
+    return {};
+  }
+
+  // Masks, counts and boxes of the slots, taken alone.
+  Status check_slots(std::uint32_t i, const gpu::PageNode& node) const {
+    const std::size_t word = PageView::node_word(i);
+    const std::uint32_t inner = inner_mask(node);
+    const std::uint32_t leaves = leaf_mask(node);
+    if ((inner & leaves) != 0 || (inner | leaves) == 0 || (node.exponents_masks >> 15U & 1U) != 0)
+      return fault("a node's masks are wrong", word + 3);
+    const std::array<std::uint32_t, 12> planes = node_planes(node);
+    std::uint32_t triangles = 0;
+    for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
+      const bool used = ((inner | leaves) >> slot & 1U) != 0;
+      const std::uint32_t count = leaf_count(node, slot);
+      if ((leaves >> slot & 1U) != 0 ? count == 0 || count > gpu::kLeafMaxTriangles : count != 0)
+        return fault("a leaf's size is out of range", word + 6);
+      triangles += count;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::uint32_t low = planes[2 * axis + slot / 4] >> (8 * (slot & 3U)) & 0xFFU;
+        const std::uint32_t high = planes[6 + 2 * axis + slot / 4] >> (8 * (slot & 3U)) & 0xFFU;
+        if (used ? low > high : low != 255 || high != 0) return fault("a slot's box is wrong", word + 8);
+      }
+    }
+    if (triangles > gpu::kNodeMaxTriangles) return fault("a node has too many triangles", word + 6);
+    return {};
+  }
+
+  // Children lie behind their parent and have no other, so that a visit in order meets every node after its parent.
+  Status check_children(std::uint32_t i, const gpu::PageNode& node) {
+    const std::size_t word = PageView::node_word(i);
+    const std::uint32_t inner = inner_mask(node);
+    if (inner == 0) return node.child_offset == 0 ? Status{} : Status{fault("a node has children without a slot", word + 4)};
+    std::uint64_t child = std::uint64_t{i} + node.child_offset / gpu::kPageNodeWords;
+    if (node.child_offset == 0 || node.child_offset % gpu::kPageNodeWords != 0) return fault("child out of place", word + 4);
+    for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
+      if ((inner >> slot & 1U) == 0) continue;
+      if (child >= header_.node_count) return fault("child out of range", word + 4);
+      if (depth_[child] != 0) return fault("a node has two parents", word + 4);
+      if (depth_[i] == header_.depth) return fault("deeper than its header says", word + 4);
+      depth_[child] = static_cast<std::uint8_t>(depth_[i] + 1);
+      const WideNodeBox outer = child_box(node, slot);
+      const gpu::PageNode below = view_->node(static_cast<std::uint32_t>(child));
+      const std::uint32_t used = inner_mask(below) | leaf_mask(below);
+      for (std::uint32_t s = 0; s < gpu::kNodeWidth; ++s)
+        if ((used >> s & 1U) != 0 && !contains(outer, child_box(below, s)))
+          return fault("a box does not contain its children", word);
+      ++child;
+    }
+    return {};
+  }
+
+  Status check_leaves(std::uint32_t i, const gpu::PageNode& node, std::uint32_t& positions) {
+    const std::size_t word = PageView::node_word(i);
+    const std::uint32_t leaves = leaf_mask(node);
+    if (leaves == 0)
+      return node.triangle_offset == 0 && node.cluster_offset == 0
+                 ? Status{}
+                 : Status{fault("a node has triangles without a leaf", word + 5)};
+    const std::uint64_t at = word + std::uint64_t{node.cluster_offset};
+    const std::optional<std::uint32_t> found = find_cluster(at);
+    if (!found) return fault("cluster out of place", word + 7);
+    const auto cluster = page_record<gpu::ClusterHeader>(page_, at);
+    const std::uint64_t first_word = word + std::uint64_t{node.triangle_offset};
+    const std::uint64_t begin = at + gpu::kClusterHeaderWords;
+    std::uint64_t count = 0;
+    for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) count += leaf_count(node, slot);
+    if (first_word < begin || first_word + count > begin + cluster_triangles(cluster))
+      return fault("triangles out of their cluster", word + 5);
+
+    const auto first = static_cast<std::uint32_t>(cluster.first_triangle + (first_word - begin));
+    const std::size_t vertices = begin + cluster_triangles(cluster);
+    std::uint32_t position = first;
+    for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
+      if ((leaves >> slot & 1U) == 0) continue;
+      const WideNodeBox box = child_box(node, slot);
+      for (std::uint32_t k = leaf_count(node, slot); k > 0; --k, ++position) {
+        if (position_seen_[position]) return fault("a triangle is in two leaves", first_word + position - first);
+        position_seen_[position] = true;
+        ++positions;
+        const WideNodeBox content = bounds(cluster, page_[first_word + position - first], vertices);
+        if ((header_.flags & gpu::kPageSplitTriangles) != 0 ? !overlaps(box, content) : !contains(box, content))
+          return fault("a box does not contain its triangles", word);
       }
     }
     return {};
   }
 
-  Status check_leaf(const Child& leaf, std::size_t word) {
-    const std::uint32_t count = (leaf.ref >> gpu::kRefCountShift) & gpu::kRefCountMask;
-    const std::uint32_t first = leaf.ref & gpu::kRefFirstMask;
-    if (count == 0 || count > gpu::kLeafMaxTriangles) return fault("leaf size out of range", word);
-    if (first >= header_.triangle_count || count > header_.triangle_count - first)
-      return fault("leaf out of range", word);
-    Box content;
-    for (std::uint32_t t = first; t < first + count; ++t) {
-      if (triangle_seen_[t]) return fault("a triangle is in two leaves", triangle_word(t));
-      triangle_seen_[t] = true;
-      ++triangles_met_;
-      const std::span<const std::uint32_t> w = triangle_words(t);
-      content.grow({w[0] & 0xFFFFU, w[0] >> 16U, w[1] & 0xFFFFU});
-      content.grow({w[1] >> 16U, w[2] & 0xFFFFU, w[2] >> 16U});
-      content.grow({w[3] & 0xFFFFU, w[3] >> 16U, w[4] & 0xFFFFU});
+  [[nodiscard]] std::optional<std::uint32_t> find_cluster(std::uint64_t word) const {
+    std::uint32_t low = 0;
+    for (std::uint32_t count = header_.cluster_count; count > 1;) {
+      const std::uint32_t half = count / 2;
+      if (view_->entry(low + half).offset_words <= word) low += half;
+      count -= half;
     }
-    if (!leaf.box.contains(content)) return fault("a box does not contain its triangles", word);
-    return {};
+    if (view_->entry(low).offset_words != word) return {};
+    return low;
   }
 
-  [[nodiscard]] std::size_t node_word(std::uint32_t i) const {
-    return header_.node_offset_words + std::size_t{i} * gpu::kBvhNodeWords;
+  [[nodiscard]] WideNodeBox bounds(const gpu::ClusterHeader& cluster, std::uint32_t packed, std::size_t vertices) const {
+    const std::array<std::int64_t, 3> origin = {cluster.origin_x, cluster.origin_y, cluster.origin_z};
+    WideNodeBox box{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      std::uint32_t low = 0xFFFF;
+      std::uint32_t high = 0;
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        const std::size_t half = 3 * std::size_t{packed >> (8 * k) & 0xFFU} + axis;
+        const std::uint32_t value = page_[vertices + half / 2] >> (16 * (half % 2)) & 0xFFFFU;
+        low = std::min(low, value);
+        high = std::max(high, value);
+      }
+      box.min[axis] = origin[axis] + (std::int64_t{low} << cluster_shift(cluster));
+      box.max[axis] = origin[axis] + (std::int64_t{high} << cluster_shift(cluster));
+    }
+    return box;
   }
-  [[nodiscard]] std::size_t triangle_word(std::uint32_t i) const {
-    return header_.triangle_offset_words + std::size_t{i} * gpu::kPageTriangleWords;
+
+  static bool contains(const WideNodeBox& outer, const WideNodeBox& inner) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (inner.min[axis] < outer.min[axis] || inner.max[axis] > outer.max[axis]) return false;
+    return true;
   }
-  [[nodiscard]] gpu::BvhNode node(std::uint32_t i) const {
-    gpu::BvhNode node;
-    std::memcpy(&node, page_.data() + node_word(i), sizeof node);
-    return node;
-  }
-  [[nodiscard]] std::span<const std::uint32_t> triangle_words(std::uint32_t i) const {
-    return page_.subspan(triangle_word(i), gpu::kPageTriangleWords);
+  static bool overlaps(const WideNodeBox& a, const WideNodeBox& b) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (b.max[axis] < a.min[axis] || b.min[axis] > a.max[axis]) return false;
+    return true;
   }
 
   std::span<const std::uint32_t> page_;
+  std::uint32_t material_count_;
   const std::string& path_;
+  std::optional<PageView> view_;
   gpu::PageHeader header_ = {};
-  std::vector<bool> node_seen_;
-  std::vector<bool> triangle_seen_;
-  std::uint32_t nodes_met_ = 0;
-  std::uint32_t triangles_met_ = 0;
+  std::size_t clusters_word_ = 0;
+  std::vector<std::uint8_t> depth_;  // 0: not reached yet
+  std::vector<bool> position_seen_;
 };
 
 }  // namespace
 
 Status verify_page(std::span<const std::uint32_t> page, std::uint32_t material_count, const std::string& path) {
-  return PageCheck(page, path).run(material_count);
+  return PageCheck(page, material_count, path).run();
 }
 
 }  // namespace zc

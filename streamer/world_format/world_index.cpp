@@ -10,6 +10,7 @@
 
 #include "base/check.h"
 #include "shaders/shared/page.h"
+#include "streamer/world_format/bvh_page.h"
 
 namespace zc {
 namespace {
@@ -19,6 +20,9 @@ static_assert(std::endian::native == std::endian::little, "the files are little-
 constexpr std::uint32_t kMaxMaterials = 1U << 16U;  // a page's triangle has 16 bits for one
 constexpr std::uint32_t kMaxDepth = 30;
 constexpr std::uint32_t kMaxStepShift = 15;
+constexpr std::uint64_t kReferencesMost = 2;  // spatial splits at most double a zone's triangles
+// Three vertices, two words of palette, a cluster's header and entry with their padding.
+constexpr std::uint64_t kWordsPerReferenceMost = 5 + 2 + gpu::kClusterHeaderWords + gpu::kClusterEntryWords + 6;
 constexpr std::uint64_t kMaxFileBytes = 0xFFFFFFFFULL;  // a GLB's own length field has 32 bits
 
 // One node's place and cause, for an Error.
@@ -72,20 +76,28 @@ Status check_tree(const std::vector<NodeRecord>& nodes, const std::string& path)
 }
 
 Status check_counts(const NodeRecord& node, const Fault& fault) {
-  if (node.triangle_count == 0 || node.triangle_count > gpu::kRefFirstMask) return fault("triangle count out of range");
+  if (node.triangle_count == 0 || node.triangle_count > gpu::kPageMaxTriangles) return fault("triangle count out of range");
   if (node.vertex_count == 0 || node.vertex_count > 3ULL * node.triangle_count)
     return fault("vertex count out of range");
   if (node.primitive_count == 0 || node.primitive_count > node.triangle_count)
     return fault("primitive count out of range");
-  if (node.bvh_node_count == 0 || node.bvh_node_count > node.triangle_count)
+  if (node.reference_count < node.triangle_count || node.reference_count > kReferencesMost * node.triangle_count ||
+      node.reference_count > gpu::kPageMaxTriangles)
+    return fault("reference count out of range");
+  if (node.bvh_node_count == 0 || node.bvh_node_count > node.reference_count)
     return fault("BVH node count out of range");
   if (node.bvh_depth == 0 || node.bvh_depth > gpu::kPageMaxDepth) return fault("BVH depth out of range");
-  const std::uint64_t page_words = std::uint64_t{gpu::kPageHeaderWords} +
-                                   std::uint64_t{gpu::kBvhNodeWords} * node.bvh_node_count +
-                                   std::uint64_t{gpu::kPageTriangleWords} * node.triangle_count;
-  if (node.page_bytes != 4 * page_words) return fault("page size does not follow from its counts");
-  if (node.bvh_bytes != 16 + 32ULL * node.bvh_node_count + 4ULL * node.triangle_count)
+  const std::uint64_t clusters_most = node.reference_count;
+  if (node.bvh_bytes < bvh_file_bytes(node.bvh_node_count, node.reference_count, 1) ||
+      node.bvh_bytes > bvh_file_bytes(node.bvh_node_count, node.reference_count, clusters_most))
     return fault("BVH file size does not follow from its counts");
+  // What a page holds beside nodes and triangles depends on how the clusters share vertices; assembling it tells.
+  const std::uint64_t words_least =
+      std::uint64_t{gpu::kPageHeaderWords} + std::uint64_t{gpu::kPageNodeWords} * node.bvh_node_count +
+      gpu::kClusterHeaderWords + gpu::kClusterEntryWords + node.reference_count;
+  if (node.page_bytes % (4 * gpu::kPageAlignWords) != 0 || node.page_bytes < 4 * words_least ||
+      node.page_bytes > 4 * (words_least + kWordsPerReferenceMost * node.reference_count))
+    return fault("page size does not follow from its counts");
   if (node.glb_bytes < 20 || node.glb_bytes > kMaxFileBytes) return fault("GLB size out of range");
   return {};
 }

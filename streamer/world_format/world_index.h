@@ -23,7 +23,7 @@
 namespace zc {
 
 inline constexpr std::array<char, 8> kWorldMagic = {'Z', 'C', 'W', 'O', 'R', 'L', 'D', '\n'};
-inline constexpr std::uint32_t kWorldVersion = 1;
+inline constexpr std::uint32_t kWorldVersion = 2;
 inline constexpr std::int32_t kDefaultStepLog2 = -8;
 inline constexpr const char* kWorldIndexName = "world.zcw";
 
@@ -76,7 +76,7 @@ struct NodeRecord {
   // How far off the wrong colour a point can be: the largest distance, over samples where node and source look
   // different, to where the look is right. At least as fine as the geometry's error when windows vanish in a flat wall.
   float appearance_error_m = 0;
-  std::uint32_t reserved = 0;
+  std::uint32_t reference_count = 0;  // triangles in leaves: at least triangle_count, more with spatial splits
   std::uint64_t glb_bytes = 0;
   std::uint64_t bvh_bytes = 0;
   std::uint64_t glb_xxh3 = 0;

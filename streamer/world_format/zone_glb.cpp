@@ -30,9 +30,10 @@ constexpr std::uint64_t kUnsignedShort = 5123;
 constexpr std::uint64_t kScratchFixed = 64 << 10U;
 constexpr std::uint64_t kScratchPerTriangle = 200;
 constexpr std::uint64_t kScratchPerVertex = 16;
-// Held from the first primitive to the page: the mesh and the BVH file.
-constexpr std::uint64_t kHeldPerTriangle = 48;
-constexpr std::uint64_t kHeldPerVertex = 8;
+// Held from the first primitive to the page: the mesh and what assembling takes. The BVH file comes on top.
+constexpr std::uint64_t kHeldPerTriangle = 32;
+constexpr std::uint64_t kHeldPerVertex = 16;
+constexpr std::uint64_t kHeldPerSplitTriangle = 28;  // its pieces' box
 constexpr std::uint64_t kScratchPerJsonByte = 24;
 constexpr std::uint64_t kSymbolsMost = (1 << 16U) + 1;
 constexpr std::uint64_t kJsonMaxBytes = 1 << 20U;
@@ -51,13 +52,16 @@ std::uint64_t stream_scratch(std::uint64_t triangle_count, std::uint64_t vertex_
          std::min<std::uint64_t>(stream_bytes, 1ULL << 32U) + table_bytes;
 }
 
+std::uint32_t clamp_bytes(std::uint64_t bytes) {
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(bytes, std::numeric_limits<std::uint32_t>::max()));
+}
+
 // The JSON tree is gone before draco starts, and each stream's decoder before the next.
-std::uint32_t scratch(std::uint64_t json_bytes, std::uint64_t largest_stream, std::uint64_t triangle_count,
-                      std::uint64_t vertex_count) {
+std::uint32_t scratch(std::uint64_t json_bytes, std::uint64_t largest_stream, const NodeRecord& node) {
   const std::uint64_t json = kScratchPerJsonByte * std::min(json_bytes, kJsonMaxBytes);
-  const std::uint64_t held = kHeldPerTriangle * triangle_count + kHeldPerVertex * vertex_count;
-  return static_cast<std::uint32_t>(std::min<std::uint64_t>(kScratchFixed + std::max(json, largest_stream) + held,
-                                                            std::numeric_limits<std::uint32_t>::max()));
+  const std::uint64_t held = kHeldPerTriangle * node.triangle_count + kHeldPerVertex * node.vertex_count +
+                             bvh_scratch_bytes(node);
+  return clamp_bytes(kScratchFixed + std::max(json, largest_stream) + held);
 }
 
 struct Chunks {
@@ -78,9 +82,7 @@ class ZoneGlb {
       : bytes_(bytes),
         node_(node),
         path_(path),
-        allowed_(node.scratch_bytes != 0 ? node.scratch_bytes
-                                         : decode_scratch_bound(node.triangle_count, node.vertex_count, bytes.size())) {
-  }
+        allowed_(node.scratch_bytes != 0 ? node.scratch_bytes : decode_scratch_bound(node, bytes.size())) {}
 
   Result<std::uint32_t> scratch_bytes() {
     allowed_ = std::numeric_limits<std::uint32_t>::max();
@@ -118,7 +120,7 @@ class ZoneGlb {
           draco_table_bytes(primitive.draco).value_or(table_bound(primitive.vertex_count, primitive.draco.size()));
       largest = std::max(largest, stream_scratch(triangles, primitive.vertex_count, primitive.draco.size(), tables));
     }
-    return scratch(chunks.json.size(), largest, node_.triangle_count, node_.vertex_count);
+    return scratch(chunks.json.size(), largest, node_);
   }
 
   [[nodiscard]] std::uint32_t word(std::size_t at) const {
@@ -300,10 +302,17 @@ class ZoneGlb {
 
 }  // namespace
 
-std::uint32_t decode_scratch_bound(std::uint32_t triangle_count, std::uint32_t vertex_count, std::uint64_t glb_bytes) {
-  const std::uint64_t stream =
-      stream_scratch(triangle_count, vertex_count, glb_bytes, table_bound(vertex_count, glb_bytes));
-  return scratch(glb_bytes, stream, triangle_count, vertex_count);
+std::uint32_t bvh_scratch_bytes(const NodeRecord& node) {
+  const bool split = node.reference_count > node.triangle_count;
+  return clamp_bytes(std::min<std::uint64_t>(node.bvh_bytes, 1ULL << 32U) +
+                     (split ? kHeldPerSplitTriangle * node.triangle_count : 0));
+}
+
+std::uint32_t decode_scratch_bound(const NodeRecord& node, std::uint64_t glb_bytes) {
+  return scratch(glb_bytes,
+                 stream_scratch(node.triangle_count, node.vertex_count, glb_bytes,
+                                table_bound(node.vertex_count, glb_bytes)),
+                 node);
 }
 
 std::uint32_t decode_scratch_bytes(std::span<const std::byte> glb, const NodeRecord& node) {
@@ -313,7 +322,7 @@ std::uint32_t decode_scratch_bytes(std::span<const std::byte> glb, const NodeRec
     if (bytes.ok()) return *bytes;
   } catch (const std::exception&) {  // then the bound has to do
   }
-  return decode_scratch_bound(node.triangle_count, node.vertex_count, glb.size());
+  return decode_scratch_bound(node, glb.size());
 }
 
 Result<ZoneMesh> decode_zone_glb(std::span<const std::byte> bytes, const NodeRecord& node, const std::string& path) {

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "base/file.h"
+#include "shaders/shared/page_node.h"
 #include "streamer/world_format/bvh_page.h"
+#include "streamer/world_format/page_view.h"
 #include "streamer/world_format/world_index.h"
 
 namespace zc {
@@ -42,18 +44,24 @@ ZoneMesh make_mesh() {
   return mesh;
 }
 
-std::uint32_t pair(std::uint32_t low, std::uint32_t high) { return low | high << 16U; }
-
+// A root with a leaf of two triangles and, below a second node, a leaf of one in a cluster of its own.
 BvhFile make_bvh() {
-  const auto leaf = [](std::uint32_t first, std::uint32_t count) {
-    return gpu::kRefLeaf | count << gpu::kRefCountShift | first;
-  };
+  const NodeBox left{{0, 0, 0}, {256, 512, 2}};
+  const NodeBox right{{0, 512, 2}, {65535, 65535, 65535}};
   BvhFile bvh;
   bvh.depth = 2;
   bvh.order = {0, 2, 1};
-  bvh.nodes.push_back(
-      {pair(0, 0), pair(0, 256), pair(512, 2), pair(0, 512), pair(2, 65535), pair(65535, 65535), leaf(0, 2), 1});
-  bvh.nodes.push_back({pair(0, 512), pair(2, 65535), pair(65535, 65535), 0, 0, 0, leaf(2, 1), gpu::kRefNone});
+  bvh.clusters = {0, 2};
+  gpu::PageNode root = pack_boxes(std::array<NodeBox, 8>{left, {}, {}, {}, {}, {}, right, {}});
+  root.exponents_masks |= 1U << 24U | 1U << 22U;
+  root.leaf_counts = 2;
+  root.child_offset = 1;
+  gpu::PageNode below = pack_boxes(std::array<NodeBox, 8>{NodeBox{}, {}, {}, right, {}, {}, {}, {}});
+  below.exponents_masks |= 1U << 27U;
+  below.leaf_counts = 1U << 12U;
+  below.triangle_offset = 2;
+  below.cluster_offset = 1;
+  bvh.nodes = {root, below};
   return bvh;
 }
 
@@ -68,11 +76,12 @@ NodeRecord make_node() {
   node.vertex_count = 6;
   node.bvh_node_count = 2;
   node.bvh_depth = 2;
-  node.page_bytes = 4 * (8 + 2 * 8 + 3 * 5);
+  node.reference_count = 3;
+  node.page_bytes = 4 * (16 + 2 * 20 + 16 + 16 + 4 + 4);
   node.scratch_bytes = 123456;
   node.primitive_count = 2;
   node.glb_bytes = 4321;
-  node.bvh_bytes = 16 + 2 * 32 + 3 * 4;
+  node.bvh_bytes = 24 + 2 * 80 + 3 * 4 + 2 * 4;
   node.glb_xxh3 = 0x0123456789ABCDEFULL;
   node.bvh_xxh3 = 0xFEDCBA9876543210ULL;
   return node;
@@ -112,11 +121,11 @@ WorldIndex make_index() {
   return index;
 }
 
-TEST(Golden, WorldIndexVersion1) {
-  static_assert(kWorldVersion == 1, "a new version needs a new file beside world_v1.zcw");
+TEST(Golden, WorldIndexVersion2) {
+  static_assert(kWorldVersion == 2, "a new version needs a new file beside world_v2.zcw");
   const WorldIndex expected = make_index();
-  const auto bytes = golden("world_v1.zcw", encode_world_index(expected));
-  const auto index = decode_world_index(bytes, "world_v1.zcw");
+  const auto bytes = golden("world_v2.zcw", encode_world_index(expected));
+  const auto index = decode_world_index(bytes, "world_v2.zcw");
   ASSERT_TRUE(index.ok()) << index.error().describe();
   EXPECT_EQ(index->header.anchor, expected.header.anchor);
   EXPECT_EQ(index->header.bounds_min, expected.header.bounds_min);
@@ -133,42 +142,41 @@ TEST(Golden, WorldIndexVersion1) {
   EXPECT_EQ(node_file(index->nodes[3], "glb"), "zones/1/1_0.detail.glb");
 }
 
-TEST(Golden, BvhFileVersion1) {
-  static_assert(BvhFileHeader{}.magic[3] == '1', "a new version needs a new file beside bvh_v1.zbvh");
+TEST(Golden, BvhFileVersion2) {
+  static_assert(BvhFileHeader{}.magic[3] == '2', "a new version needs a new file beside bvh_v2.zbvh");
   const BvhFile expected = make_bvh();
-  const auto bytes = golden("bvh_v1.zbvh", encode_bvh_file(expected));
-  const auto bvh = decode_bvh_file(bytes, "bvh_v1.zbvh");
+  const auto bytes = golden("bvh_v2.zbvh", encode_bvh_file(expected));
+  const auto bvh = decode_bvh_file(bytes, "bvh_v2.zbvh");
   ASSERT_TRUE(bvh.ok()) << bvh.error().describe();
   EXPECT_EQ(bvh->depth, expected.depth);
   EXPECT_EQ(bvh->order, expected.order);
   ASSERT_EQ(bvh->nodes.size(), expected.nodes.size());
-  EXPECT_EQ(std::memcmp(bvh->nodes.data(), expected.nodes.data(), expected.nodes.size() * sizeof(gpu::BvhNode)), 0);
+  EXPECT_EQ(bvh->clusters, expected.clusters);
+  EXPECT_EQ(std::memcmp(bvh->nodes.data(), expected.nodes.data(), expected.nodes.size() * sizeof(gpu::PageNode)), 0);
 }
 
-TEST(Golden, PageVersion1) {
-  static_assert(gpu::kPageMagic >> 24U == '1', "a new version needs a new file beside page_v1.bin");
+TEST(Golden, PageVersion2) {
+  static_assert(gpu::kPageMagic >> 24U == '2', "a new version needs a new file beside page_v2.bin");
   const auto page = assemble_page(make_mesh(), make_bvh(), make_node(), kMaterials, "page");
   ASSERT_TRUE(page.ok()) << page.error().describe();
-  const auto view = std::as_bytes(std::span(*page));
-  const auto bytes = golden("page_v1.bin", {view.begin(), view.end()});
-  ASSERT_EQ(bytes.size(), 156U);
+  const auto now = std::as_bytes(std::span(*page));
+  const auto bytes = golden("page_v2.bin", {now.begin(), now.end()});
+  ASSERT_EQ(bytes.size(), make_node().page_bytes);
   std::vector<std::uint32_t> words(bytes.size() / 4);
   std::memcpy(words.data(), bytes.data(), bytes.size());
-  EXPECT_TRUE(verify_page(words, kMaterials, "page_v1.bin").ok());
-  gpu::PageHeader header;
-  std::memcpy(&header, words.data(), sizeof header);
-  EXPECT_EQ(header.node_count, 2U);
-  EXPECT_EQ(header.triangle_count, 3U);
-  EXPECT_EQ(header.depth, 2U);
+  EXPECT_TRUE(verify_page(words, kMaterials, "page_v2.bin").ok());
+  const PageView view(words);
+  EXPECT_EQ(view.header().node_count, 2U);
+  EXPECT_EQ(view.header().triangle_count, 3U);
+  EXPECT_EQ(view.header().cluster_count, 2U);
+  EXPECT_EQ(view.header().depth, 2U);
   // The mesh's second triangle, which the order puts last: corners 3, 4, 5 and material 1.
-  gpu::PageTriangle last;
-  std::memcpy(&last, words.data() + header.triangle_offset_words + std::size_t{2} * gpu::kPageTriangleWords,
-              sizeof last);
-  EXPECT_EQ(last.v0_xy, pair(0, 512));
-  EXPECT_EQ(last.v0_z_v1_x, pair(2, 65535));
-  EXPECT_EQ(last.v1_yz, pair(40000, 300));
-  EXPECT_EQ(last.v2_xy, pair(60000, 65535));
-  EXPECT_EQ(last.v2_z_material, pair(65535, 1));
+  const PageView::Triangle last = view.triangle(2);
+  EXPECT_EQ(last.corners[0], (PageView::Point{0, 512, 2}));
+  EXPECT_EQ(last.corners[1], (PageView::Point{65535, 40000, 300}));
+  EXPECT_EQ(last.corners[2], (PageView::Point{60000, 65535, 65535}));
+  EXPECT_EQ(last.material, 1U);
+  EXPECT_EQ(view.triangle(1).material, 0U);
 }
 
 }  // namespace

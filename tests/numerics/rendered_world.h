@@ -56,11 +56,15 @@ class RenderedWorld {
     ZC_TRY(proxy_table_->update(view));
     ZC_TRY(host_table_->update(view));
     if (claimed_error_m) ZC_TRY(claim_error(*claimed_error_m));
-    std::vector<gpu::MaterialEntry> materials;
     for (const MaterialRecord& m : index().materials)
-      materials.push_back({m.base_color[0], m.base_color[1], m.base_color[2], m.roughness, m.metallic, m.flags, 0, 0});
-    options.max_zones = nodes;
-    ZC_ASSIGN(renderer_, Renderer::create(*device_, *proxies_, *host_, materials, options));
+      materials_.push_back({m.base_color[0], m.base_color[1], m.base_color[2], m.roughness, m.metallic, m.flags, 0, 0});
+    return remake_renderer(options);
+  }
+
+  // With other options, over the same zones.
+  Status remake_renderer(RendererOptions options) {
+    options.max_zones = static_cast<std::uint32_t>(index().nodes.size());
+    ZC_ASSIGN(renderer_, Renderer::create(*device_, *proxies_, *host_, materials_, options));
     return {};
   }
 
@@ -89,20 +93,16 @@ class RenderedWorld {
   [[nodiscard]] const WorldIndex& index() const { return streamer_->index(); }
   [[nodiscard]] Source& source() { return *source_; }
   [[nodiscard]] const Streamer& streamer() const { return *streamer_; }
+  // The proxies that are traced, by slot.
+  [[nodiscard]] std::span<const gpu::ZoneEntry> proxy_zones() const { return proxy_table_->entries(); }
   [[nodiscard]] Renderer& renderer() { return *renderer_; }
   [[nodiscard]] const Device& device() const { return *device_; }
 
  private:
   Status claim_error(float error_m) {
-    std::vector<gpu::ZoneEntry> entries;
-    std::vector<ZoneBounds> bounds;
-    for (const std::uint32_t id : streamer_->cover()) {
-      const NodeRecord& node = index().nodes[id];
-      entries.push_back({node.origin[0], node.origin[1], node.origin[2], node.step_shift,
-                         static_cast<std::uint32_t>(streamer_->page_offset_words(id)), id, error_m, 0});
-      bounds.push_back({node.bounds_min, node.bounds_max});
-    }
-    return proxies_->set_zones(entries, bounds);
+    std::vector<gpu::ZoneEntry> entries(proxy_table_->entries().begin(), proxy_table_->entries().end());
+    for (gpu::ZoneEntry& entry : entries) entry.error_m = error_m;
+    return proxies_->set_zones(entries);
   }
 
   std::filesystem::path folder_;
@@ -112,6 +112,7 @@ class RenderedWorld {
   std::optional<GpuPageSink> proxy_sink_, host_sink_;
   std::unique_ptr<Streamer> streamer_, host_streamer_;
   std::optional<ZoneTable> proxy_table_, host_table_;
+  std::vector<gpu::MaterialEntry> materials_;
   std::unique_ptr<Renderer> renderer_;
 };
 

@@ -1,73 +1,91 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Wide trees and the pages made of them. What a page must keep is checked by verify_page, which world_format_test holds
+// to account; here an own walk finds every triangle again.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>
 #include <random>
 
-#include "baker/bvh_build.h"
+#include "baker/bvh/binned_sah.h"
+#include "baker/bvh/build_wide.h"
+#include "baker/bvh/page_nodes.h"
+#include "shaders/shared/page_node.h"
+#include "streamer/world_format/page_view.h"
 
 namespace zc {
 namespace {
 
-using Vertices = std::vector<std::array<std::uint16_t, 3>>;
-using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+using Corners = std::array<PageView::Point, 3>;
+
+std::vector<BvhTriangle> triangles_of(const ZoneMesh& mesh) {
+  std::vector<BvhTriangle> out(mesh.triangles.size());
+  for (std::size_t i = 0; i < out.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) out[i][k] = mesh.vertices[mesh.triangles[i][k]];
+  return out;
+}
 
 struct Walk {
-  const BvhFile& bvh;
-  const Vertices& vertices;
-  const Triangles& triangles;
-  std::vector<int> seen;
+  const PageView& page;
+  std::vector<Corners> found;
   std::uint32_t depth = 0;
-
-  void check_child(std::array<std::uint32_t, 3> low, std::array<std::uint32_t, 3> high, std::uint32_t ref,
-                   std::uint32_t level) {
-    if (ref == gpu::kRefNone) return;
-    if ((ref & gpu::kRefLeaf) == 0) {
-      ASSERT_LT(ref, bvh.nodes.size());
-      node(ref, level + 1);
-      return;
-    }
-    const std::uint32_t count = (ref >> gpu::kRefCountShift) & gpu::kRefCountMask;
-    const std::uint32_t first = ref & gpu::kRefFirstMask;
-    ASSERT_GE(count, 1U);
-    ASSERT_LE(count, gpu::kLeafMaxTriangles);
-    ASSERT_LE(first + count, bvh.order.size());
-    for (std::uint32_t i = first; i < first + count; ++i) {
-      ++seen[bvh.order[i]];
-      for (const std::uint32_t v : triangles[bvh.order[i]]) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          ASSERT_GE(vertices[v][axis], low[axis]);
-          ASSERT_LE(vertices[v][axis], high[axis]);
-        }
-      }
-    }
-  }
 
   void node(std::uint32_t index, std::uint32_t level) {
     depth = std::max(depth, level);
-    const gpu::BvhNode& n = bvh.nodes[index];
-    const auto lo = [](std::uint32_t w) { return w & 0xFFFFU; };
-    const auto hi = [](std::uint32_t w) { return w >> 16U; };
-    check_child({lo(n.min0_xy), hi(n.min0_xy), lo(n.min0_z_max0_x)},
-                {hi(n.min0_z_max0_x), lo(n.max0_yz), hi(n.max0_yz)}, n.ref0, level);
-    check_child({lo(n.min1_xy), hi(n.min1_xy), lo(n.min1_z_max1_x)},
-                {hi(n.min1_z_max1_x), lo(n.max1_yz), hi(n.max1_yz)}, n.ref1, level);
+    const gpu::PageNode n = page.node(index);
+    std::uint32_t position = leaf_mask(n) != 0 ? page.first_triangle(index) : 0;
+    std::uint32_t child = index + n.child_offset / gpu::kPageNodeWords;
+    for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
+      for (std::uint32_t k = leaf_count(n, slot); k > 0; --k) {
+        const WideNodeBox box = child_box(n, slot);
+        found.push_back(page.triangle(position++).corners);
+        for (const PageView::Point& p : found.back()) {
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            EXPECT_GE(p[axis], box.min[axis]);
+            EXPECT_LE(p[axis], box.max[axis]);
+          }
+        }
+      }
+      if ((inner_mask(n) >> slot & 1U) != 0) node(child++, level + 1);
+    }
   }
 };
 
-void expect_valid(const Vertices& vertices, const Triangles& triangles) {
-  auto bvh = build_bvh(vertices, triangles);
-  ASSERT_TRUE(bvh.ok());
-  Walk walk{*bvh, vertices, triangles, std::vector<int>(triangles.size(), 0)};
+void expect_valid(ZoneMesh mesh, const BvhBuildOptions& options = {}) {
+  mesh.materials.resize(mesh.triangles.size());
+  NodeRecord record;
+  record.origin = {-4096, 8192, 64};
+  record.step_shift = 3;
+  record.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
+  const auto tree = build_wide_bvh(triangles_of(mesh), options);
+  ASSERT_TRUE(tree.ok()) << tree.error().describe();
+  const BvhFile bvh = lay_out_bvh(*tree, mesh, record);
+  record.reference_count = static_cast<std::uint32_t>(bvh.order.size());
+  record.bvh_node_count = static_cast<std::uint32_t>(bvh.nodes.size());
+  record.bvh_depth = bvh.depth;
+  const auto words = assemble_page(mesh, bvh, record, 70000, "page");
+  ASSERT_TRUE(words.ok()) << words.error().describe();
+
+  const PageView page(*words);
+  Walk walk{page, {}};
   walk.node(0, 1);
-  EXPECT_EQ(walk.depth, bvh->depth);
-  EXPECT_LE(bvh->depth, gpu::kPageMaxDepth);
-  EXPECT_TRUE(std::all_of(walk.seen.begin(), walk.seen.end(), [](int n) { return n == 1; }));
-  EXPECT_LE(bvh->nodes.size(), triangles.size());
+  EXPECT_EQ(walk.depth, bvh.depth);
+  EXPECT_LE(bvh.depth, gpu::kPageMaxDepth);
+  std::vector<Corners> expected;
+  for (const auto& triangle : mesh.triangles) {
+    Corners corners{};
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        corners[k][axis] = record.origin[axis] + 8 * std::int32_t{mesh.vertices[triangle[k]][axis]};
+    expected.push_back(corners);
+  }
+  std::ranges::sort(expected);
+  std::ranges::sort(walk.found);
+  EXPECT_TRUE(walk.found == expected);
 }
 
-void random_mesh(std::size_t count, Vertices& vertices, Triangles& triangles) {
+ZoneMesh random_mesh(std::size_t count) {
+  ZoneMesh mesh;
   std::mt19937 engine(7);
   const auto random = [&] { return static_cast<std::uint32_t>(engine()); };
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -75,61 +93,107 @@ void random_mesh(std::size_t count, Vertices& vertices, Triangles& triangles) {
     for (int k = 0; k < 3; ++k) {
       std::array<std::uint16_t, 3> v = {};
       for (std::size_t axis = 0; axis < 3; ++axis) v[axis] = static_cast<std::uint16_t>(center[axis] + random() % 500);
-      vertices.push_back(v);
+      mesh.vertices.push_back(v);
     }
-    triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  return mesh;
+}
+
+TEST(WideBvh, EveryTriangleIsInOneLeafWithinItsBox) {
+  for (const std::size_t count : {1UL, 2UL, 4UL, 5UL, 8UL, 9UL, 100UL, 5000UL}) expect_valid(random_mesh(count));
+}
+
+TEST(WideBvh, EveryWidthAndLeafSizeMakesAPage) {
+  for (const std::uint32_t width : {2U, 4U, 8U}) {
+    for (const std::uint32_t leaf : {1U, 3U, 4U}) {
+      BvhBuildOptions options;
+      options.collapse.width = width;
+      options.collapse.leaf_triangles = leaf;
+      expect_valid(random_mesh(700), options);
+    }
   }
 }
 
-TEST(BvhBuild, EveryTriangleIsInOneLeafWithinItsBox) {
-  for (const std::size_t count : {1UL, 2UL, 4UL, 5UL, 8UL, 9UL, 100UL, 5000UL}) {
-    Vertices vertices;
-    Triangles triangles;
-    random_mesh(count, vertices, triangles);
-    expect_valid(vertices, triangles);
-  }
-}
-
-TEST(BvhBuild, OneLeafHasARootWithAnAbsentChild) {
-  auto bvh = build_bvh(Vertices{{1, 2, 3}, {4, 5, 6}, {7, 8, 0}}, Triangles{{0, 1, 2}});
-  ASSERT_TRUE(bvh.ok());
-  ASSERT_EQ(bvh->nodes.size(), 1U);
-  EXPECT_EQ(bvh->depth, 1U);
-  EXPECT_EQ(bvh->nodes[0].ref0, gpu::kRefLeaf | 1U << gpu::kRefCountShift);
-  EXPECT_EQ(bvh->nodes[0].ref1, gpu::kRefNone);
-  EXPECT_EQ(bvh->nodes[0].min1_xy, 0xFFFFFFFFU);
-  EXPECT_EQ(bvh->nodes[0].max1_yz, 0U);
-}
-
-TEST(BvhBuild, EqualCentroidsAndSkewedSizesStayWithinTheDepthCap) {
-  Vertices same = {{0, 0, 0}, {100, 0, 0}, {0, 100, 50}};
-  expect_valid(same, Triangles(100000, {0, 1, 2}));
+TEST(WideBvh, EqualCentroidsAndSkewedSizesStayWithinTheDepthCap) {
+  ZoneMesh same;
+  same.vertices = {{0, 0, 0}, {100, 0, 0}, {0, 100, 50}};
+  same.triangles.assign(20000, {0, 1, 2});
+  expect_valid(same);
   // Sizes doubling: SAH would peel them off one by one.
-  Vertices vertices;
-  Triangles triangles;
+  ZoneMesh skewed;
   for (std::uint32_t copy = 0; copy < 500; ++copy) {
     for (std::uint32_t i = 0; i < 16; ++i) {
       const auto size = static_cast<std::uint16_t>(1U << i);
-      const auto base = static_cast<std::uint32_t>(vertices.size());
-      vertices.insert(vertices.end(), {{size, 0, 0}, {0, size, 0}, {static_cast<std::uint16_t>(copy), 0, size}});
-      triangles.push_back({base, base + 1, base + 2});
+      const auto base = static_cast<std::uint32_t>(skewed.vertices.size());
+      skewed.vertices.insert(skewed.vertices.end(),
+                             {{size, 0, 0}, {0, size, 0}, {static_cast<std::uint16_t>(copy), 0, size}});
+      skewed.triangles.push_back({base, base + 1, base + 2});
     }
   }
-  expect_valid(vertices, triangles);
+  expect_valid(skewed);
 }
 
-TEST(BvhBuild, RefusesNothingAndDanglingTriangles) {
-  EXPECT_FALSE(build_bvh({}, {}).ok());
-  EXPECT_FALSE(build_bvh(Vertices{{0, 0, 0}}, Triangles{{0, 1, 2}}).ok());
+TEST(WideBvh, ATreeTooDeepForAPageIsCollapsedByLevels) {
+  // A chain: each node has a leaf and the rest, down to the depth that builders keep.
+  BinaryTree chain;
+  for (std::uint32_t i = 0; i < kBinaryDepthMax; ++i)
+    chain.references.push_back({{{static_cast<std::uint16_t>(i), 0, 0}, {static_cast<std::uint16_t>(i), 9, 9}}, i});
+  chain.nodes.emplace_back();
+  for (std::uint32_t i = 0, node = 0; i < kBinaryDepthMax; ++i) {
+    chain.nodes[node].box = BvhBox{{static_cast<std::uint16_t>(i), 0, 0}, {kBinaryDepthMax - 1, 9, 9}};
+    if (i + 1 == kBinaryDepthMax) {
+      chain.nodes[node].reference = i;
+      break;
+    }
+    const auto child = static_cast<std::uint32_t>(chain.nodes.size());
+    chain.nodes[node].left = child;
+    chain.nodes.resize(child + 2);
+    chain.nodes[child].box = chain.references[i].box;
+    chain.nodes[child].reference = i;
+    node = child + 1;
+  }
+  CollapseOptions options;
+  options.width = 2;
+  options.leaf_triangles = 1;
+  EXPECT_GT(collapse(chain, options).depth, gpu::kPageMaxDepth);
+  options.by_levels = true;
+  const WideTree tree = collapse(chain, options);
+  EXPECT_LE(tree.depth, gpu::kPageMaxDepth);
+  EXPECT_EQ(tree.references.size(), chain.references.size());
 }
 
-TEST(BvhBuild, TimeGrowsBarelyFasterThanTheTriangles) {
+TEST(WideBvh, AClusterEndsWhereVerticesOrMaterialsRunOut) {
+  ZoneMesh mesh = random_mesh(2000);  // no vertex is shared
+  expect_valid(mesh);
+  ZoneMesh colourful;
+  colourful.vertices = {{0, 0, 0}, {100, 0, 0}, {0, 100, 50}};
+  for (std::uint32_t i = 0; i < 3000; ++i) {
+    colourful.triangles.push_back({0, 1, 2});
+    colourful.materials.push_back(static_cast<std::uint16_t>(i * 21));
+  }
+  NodeRecord record;
+  record.triangle_count = 3000;
+  const auto tree = build_wide_bvh(triangles_of(colourful), {});
+  ASSERT_TRUE(tree.ok());
+  const BvhFile bvh = lay_out_bvh(*tree, colourful, record);
+  EXPECT_GE(bvh.clusters.size(), 3000U / gpu::kPaletteMax);
+  record.reference_count = 3000;
+  record.bvh_node_count = static_cast<std::uint32_t>(bvh.nodes.size());
+  record.bvh_depth = bvh.depth;
+  const auto words = assemble_page(colourful, bvh, record, 3000 * 21, "page");
+  ASSERT_TRUE(words.ok()) << words.error().describe();
+  const PageView page(*words);
+  for (std::uint32_t i = 0; i < 3000; ++i) EXPECT_EQ(page.triangle(i).material, colourful.materials[bvh.order[i]]);
+}
+
+TEST(WideBvh, RefusesNothing) { EXPECT_FALSE(build_wide_bvh({}, {}).ok()); }
+
+TEST(WideBvh, TimeGrowsBarelyFasterThanTheTriangles) {
   const auto build_s = [](std::size_t count) {
-    Vertices vertices;
-    Triangles triangles;
-    random_mesh(count, vertices, triangles);
+    const std::vector<BvhTriangle> triangles = triangles_of(random_mesh(count));
     const auto start = std::chrono::steady_clock::now();
-    EXPECT_TRUE(build_bvh(vertices, triangles).ok());
+    EXPECT_TRUE(build_wide_bvh(triangles, {}).ok());
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
   const double small_s = build_s(25000);

@@ -32,7 +32,7 @@ NodeRecord record_of(const EncodedZone& zone, std::uint32_t shift) {
   node.vertex_count = zone.vertex_count;
   node.primitive_count = zone.primitive_count;
   node.glb_bytes = zone.glb.size();
-  node.scratch_bytes = decode_scratch_bound(node.triangle_count, node.vertex_count, zone.glb.size());
+  node.scratch_bytes = decode_scratch_bound(node, zone.glb.size());
   return node;
 }
 

@@ -28,12 +28,6 @@ const std::map<std::string, Layout>& host_layouts() {
        {sizeof(zc::gpu::ZoneEntry),
         {AT(ZoneEntry, origin_x), AT(ZoneEntry, origin_y), AT(ZoneEntry, origin_z), AT(ZoneEntry, step_shift),
          AT(ZoneEntry, page_word), AT(ZoneEntry, node), AT(ZoneEntry, error_m), AT(ZoneEntry, flags)}}},
-      {"TopNode",
-       {sizeof(zc::gpu::TopNode),
-        {AT(TopNode, min0_x), AT(TopNode, min0_y), AT(TopNode, min0_z), AT(TopNode, max0_x), AT(TopNode, max0_y),
-         AT(TopNode, max0_z), AT(TopNode, min1_x), AT(TopNode, min1_y), AT(TopNode, min1_z), AT(TopNode, max1_x),
-         AT(TopNode, max1_y), AT(TopNode, max1_z), AT(TopNode, ref0), AT(TopNode, ref1), AT(TopNode, reserved0),
-         AT(TopNode, reserved1)}}},
       {"MaterialEntry",
        {sizeof(zc::gpu::MaterialEntry),
         {AT(MaterialEntry, base_r), AT(MaterialEntry, base_g), AT(MaterialEntry, base_b), AT(MaterialEntry, roughness),
@@ -52,13 +46,15 @@ const std::map<std::string, Layout>& host_layouts() {
         {AT(Counters, ssr_groups_x), AT(Counters, ssr_groups_y), AT(Counters, ssr_groups_z),
          AT(Counters, trace_groups_x), AT(Counters, trace_groups_y), AT(Counters, trace_groups_z),
          AT(Counters, pixel_count), AT(Counters, ray_count), AT(Counters, rays_screen), AT(Counters, rays_proxy),
-         AT(Counters, rays_proxy_coarse), AT(Counters, rays_sky), AT(Counters, rays_lost), AT(Counters, reserved0),
-         AT(Counters, reserved1), AT(Counters, reserved2)}}},
+         AT(Counters, rays_proxy_coarse), AT(Counters, rays_sky), AT(Counters, rays_lost),
+         AT(Counters, retry_count), AT(Counters, packet_groups_x), AT(Counters, packet_groups_y),
+         AT(Counters, packet_groups_z), AT(Counters, retry_groups_x), AT(Counters, retry_groups_y),
+         AT(Counters, retry_groups_z)}}},
       {"FrameData",
        {sizeof(zc::gpu::FrameData),
         {AT(FrameData, view_projection), AT(FrameData, eye), AT(FrameData, right), AT(FrameData, up),
          AT(FrameData, forward), AT(FrameData, sun_direction), AT(FrameData, sun_radiance),
-         AT(FrameData, camera_lattice), AT(FrameData, size), AT(FrameData, hiz_offset)}}}};
+         AT(FrameData, camera_lattice), AT(FrameData, size), AT(FrameData, sets), AT(FrameData, hiz_offset)}}}};
   return layouts;
 }
 
@@ -120,7 +116,7 @@ TEST(SharedLayout, EveryStructHasTheOffsetsThatTheShadersUse) {
   std::map<std::string, int> seen;
   for (const auto& shader : {zc::shader::draw_zone_vert(), zc::shader::draw_lines_vert(), zc::shader::light_surfaces(),
                              zc::shader::reduce_depth(), zc::shader::classify_pixels(), zc::shader::size_dispatch(),
-                             zc::shader::march_screen(), zc::shader::trace_rays(), zc::shader::shade_hits(),
+                             zc::shader::march_screen(), zc::shader::trace_packets(), zc::shader::trace_rays(), zc::shader::shade_hits(),
                              zc::shader::composite_frame(), zc::shader::show_debug()}) {
     for (const auto& [name, count] : compare_blocks(shader)) seen[name] += count;
   }

@@ -3,84 +3,147 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cstdint>
-#include <set>
+#include <cstring>
+#include <map>
+#include <random>
 #include <vector>
-
-#include "shaders/shared/page.h"
 
 namespace zc {
 namespace {
 
-struct Walk {
-  const TopLevel& top;
-  const std::vector<ZoneBounds>& zones;
-  std::multiset<std::uint32_t> found;
-  std::uint32_t depth = 0;
+// Pages of two levels in one pool: a root with some leaves of one triangle and some children, which hold a leaf each.
+// A triangle is just its word.
+class Pool {
+ public:
+  void add_page(const NodeBox& box, std::uint32_t leaves, std::uint32_t inner, std::mt19937& random) {
+    const auto page_word = static_cast<std::uint32_t>(words_.size());
+    const std::uint32_t node_count = 1 + inner;
+    words_.resize(page_word + gpu::kPageHeaderWords + node_count * gpu::kPageNodeWords + 16);
+    gpu::PageHeader header{};
+    header.node_count = node_count;
+    header.depth = inner > 0 ? 2 : 1;
+    header.triangle_count = leaves + inner;
+    std::memcpy(words_.data() + page_word, &header, sizeof header);
+    std::array<NodeBox, gpu::kNodeWidth> boxes;
+    for (std::uint32_t i = 0; i < leaves + inner; ++i) {
+      for (std::size_t a = 0; a < 3; ++a) {
+        const auto extent = static_cast<std::uint32_t>(box.max[a] - box.min[a]) + 1;
+        boxes[i].min[a] = box.min[a] + static_cast<std::int32_t>(random() % extent);
+        boxes[i].max[a] = boxes[i].min[a] + static_cast<std::int32_t>(random() % static_cast<std::uint32_t>(box.max[a] - boxes[i].min[a] + 1));
+      }
+    }
+    const std::uint32_t triangles = page_word + gpu::kPageHeaderWords + node_count * gpu::kPageNodeWords;
+    const std::uint32_t root_word = page_word + gpu::kPageHeaderWords;
+    gpu::PageNode root = pack_boxes(boxes);
+    root.exponents_masks |= ((1U << leaves) - 1) << 24 | ((1U << inner) - 1) << (16 + leaves);
+    for (std::uint32_t i = 0; i < leaves; ++i) root.leaf_counts |= 1U << (4 * i);
+    root.child_offset = gpu::kPageNodeWords;
+    root.triangle_offset = root.cluster_offset = triangles - root_word;
+    put(root_word, root);
+    for (std::uint32_t i = 0; i < inner; ++i) {
+      const std::uint32_t word = root_word + (1 + i) * gpu::kPageNodeWords;
+      gpu::PageNode child = pack_boxes({boxes[leaves + i], {}, {}, {}, {}, {}, {}, {}});
+      child.exponents_masks |= 1U << 24;
+      child.leaf_counts = 1;
+      child.triangle_offset = child.cluster_offset = triangles + leaves + i - word;
+      put(word, child);
+    }
+    for (std::uint32_t i = 0; i < leaves + inner; ++i) expected_[triangles + i] = 1;
+    page_words_.push_back(page_word);
+  }
 
-  // Visits a child and returns the bounds of what lies under it, which its parent's box must be.
-  void child(std::uint32_t ref, const ZoneBounds& box, std::uint32_t level) {
-    if (ref == gpu::kRefNone) return;
-    if ((ref & gpu::kRefLeaf) != 0) {
-      const std::uint32_t slot = ref & ~gpu::kRefLeaf;
-      ASSERT_LT(slot, zones.size());
-      found.insert(slot);
-      EXPECT_EQ(box.min, zones[slot].min);
-      EXPECT_EQ(box.max, zones[slot].max);
-      return;
+  // Builds the top level behind the pages and follows every reference.
+  void expect_sound() {
+    std::vector<PageRoot> roots;
+    for (const std::uint32_t word : page_words_) roots.push_back(page_root(std::span(words_).subspan(word)));
+    std::vector<TracedPage> pages;
+    for (std::size_t i = 0; i < roots.size(); ++i) pages.push_back({page_words_[i], &roots[i]});
+    const auto first = static_cast<std::uint32_t>((words_.size() + 3) / 4 * 4);
+    const TopLevel top = build_top_level(pages, first);
+    const auto count = static_cast<std::uint32_t>(pages.size());
+    EXPECT_LE(top.nodes.size(), top_level_node_bound(count));
+    words_.resize(first + top.nodes.size() * gpu::kPageNodeWords);
+    for (std::uint32_t i = 0; i < top.nodes.size(); ++i) put(first + i * gpu::kPageNodeWords, top.nodes[i]);
+    found_.clear();
+    deepest_ = 0;
+    visit(first, 1);
+    EXPECT_EQ(found_, expected_);
+    if (!pages.empty()) {
+      EXPECT_EQ(deepest_, top.depth);
     }
-    ASSERT_LT(ref, top.nodes.size());
-    const ZoneBounds a = box_of(top.nodes[ref], 0);
-    const ZoneBounds b = box_of(top.nodes[ref], 1);
-    for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_EQ(box.min[i], std::min(a.min[i], b.min[i]));
-      EXPECT_EQ(box.max[i], std::max(a.max[i], b.max[i]));
+    EXPECT_LE(top.depth, top_level_depth_bound(count) + 2);
+  }
+
+ private:
+  void put(std::uint32_t word, const gpu::PageNode& node) { std::memcpy(words_.data() + word, &node, sizeof node); }
+
+  void visit(std::uint32_t word, std::uint32_t depth) {
+    ASSERT_LE(word + gpu::kPageNodeWords, words_.size());
+    deepest_ = std::max(deepest_, depth);
+    gpu::PageNode node;
+    std::memcpy(&node, words_.data() + word, sizeof node);
+    ASSERT_EQ(inner_mask(node) & leaf_mask(node), 0U);
+    std::uint32_t child = word + node.child_offset;
+    std::uint32_t triangle = word + node.triangle_offset;
+    for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
+      if ((leaf_mask(node) >> slot & 1U) != 0) ++found_[triangle];
+      triangle += leaf_count(node, slot);
+      if ((inner_mask(node) >> slot & 1U) == 0) continue;
+      ASSERT_LE(child + gpu::kPageNodeWords, words_.size());
+      const WideNodeBox outer = child_box(node, slot);
+      gpu::PageNode below;
+      std::memcpy(&below, words_.data() + child, sizeof below);
+      for (std::uint32_t s = 0; s < gpu::kNodeWidth; ++s) {
+        if (((inner_mask(below) | leaf_mask(below)) >> s & 1U) == 0) continue;
+        const WideNodeBox inner = child_box(below, s);
+        for (std::size_t a = 0; a < 3; ++a) {
+          EXPECT_LE(outer.min[a], inner.min[a]);
+          EXPECT_GE(outer.max[a], inner.max[a]);
+        }
+      }
+      visit(child, depth + 1);
+      child += gpu::kPageNodeWords;
     }
-    node(ref, level + 1);
   }
-  void node(std::uint32_t index, std::uint32_t level) {
-    depth = std::max(depth, level);
-    child(top.nodes[index].ref0, box_of(top.nodes[index], 0), level);
-    child(top.nodes[index].ref1, box_of(top.nodes[index], 1), level);
-  }
-  static ZoneBounds box_of(const gpu::TopNode& n, int which) {
-    if (which == 0) return {{n.min0_x, n.min0_y, n.min0_z}, {n.max0_x, n.max0_y, n.max0_z}};
-    return {{n.min1_x, n.min1_y, n.min1_z}, {n.max1_x, n.max1_y, n.max1_z}};
-  }
+
+  std::vector<std::uint32_t> words_;
+  std::vector<std::uint32_t> page_words_;
+  std::map<std::uint32_t, int> expected_, found_;
+  std::uint32_t deepest_ = 0;
 };
 
-std::vector<ZoneBounds> scattered(std::size_t count) {
-  std::vector<ZoneBounds> zones;
-  std::uint32_t state = 12345;
-  const auto next = [&](std::uint32_t below) {
-    state = state * 1664525U + 1013904223U;
-    return static_cast<std::int32_t>((state >> 8U) % below);
-  };
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::array<std::int32_t, 3> low = {next(2000000) - 1000000, next(2000000) - 1000000, next(20000)};
-    zones.push_back({low, {low[0] + next(60000), low[1] + next(60000), low[2] + next(20000)}});
+NodeBox random_box(std::mt19937& random, std::uint32_t spread, std::uint32_t size) {
+  NodeBox box;
+  for (std::size_t a = 0; a < 3; ++a) {
+    box.min[a] = static_cast<std::int32_t>(random() % spread) - static_cast<std::int32_t>(spread / 2);
+    box.max[a] = box.min[a] + static_cast<std::int32_t>(random() % size);
   }
-  return zones;
+  return box;
 }
 
-void expect_sound(const std::vector<ZoneBounds>& zones) {
-  const TopLevel top = build_top_level(zones);
-  Walk walk{top, zones, {}, 0};
-  walk.node(0, 1);
-  EXPECT_EQ(walk.found.size(), zones.size());
-  for (std::uint32_t i = 0; i < zones.size(); ++i) EXPECT_EQ(walk.found.count(i), 1U) << "zone " << i;
-  EXPECT_EQ(walk.depth, top.depth);
-  EXPECT_LE(top.nodes.size(), std::max<std::size_t>(1, zones.size()));
+TEST(TopLevel, ReachesEveryTriangleOfEveryPageOnceWithinItsBoxes) {
+  for (const std::uint32_t count : {0U, 1U, 2U, 3U, 9U, 17U, 500U}) {
+    std::mt19937 random(count + 1);
+    Pool pool;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const auto leaves = static_cast<std::uint32_t>(random() % 5);
+      const auto inner = static_cast<std::uint32_t>(random() % (9 - leaves));
+      pool.add_page(random_box(random, 2000000, 60000), leaves + inner == 0 ? 1 : leaves, inner, random);
+    }
+    pool.expect_sound();
+  }
 }
 
-TEST(TopLevel, HoldsEveryZoneOnceInTightBoxes) {
-  for (const std::size_t count : {0U, 1U, 2U, 3U, 17U, 500U}) expect_sound(scattered(count));
-}
-
-TEST(TopLevel, StaysShallowWhenAllZonesCoincide) {
-  const std::vector<ZoneBounds> zones(1000, ZoneBounds{{0, 0, 0}, {10, 10, 10}});
-  expect_sound(zones);
-  EXPECT_LE(build_top_level(zones).depth, 24U + 10U);
+TEST(TopLevel, StaysShallowWhereAllPagesCoincideOrOneIsHuge) {
+  std::mt19937 random(7);
+  Pool same;
+  for (int i = 0; i < 1000; ++i) same.add_page({{0, 0, 0}, {10, 10, 10}}, 2, 6, random);
+  same.expect_sound();
+  Pool nested;  // each lies in all that are larger
+  for (int i = 0; i < 30; ++i) nested.add_page({{0, 0, 0}, {1 << i, 1 << i, 1 << i}}, 1, 7, random);
+  nested.expect_sound();
 }
 
 }  // namespace

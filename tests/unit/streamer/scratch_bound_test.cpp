@@ -69,7 +69,7 @@ TEST(DecodeScratch, stays_below_its_bound_and_within_a_factor_of_it) {
       const long long taken = measure_decode(zone, record);
       const auto bound = static_cast<long long>(record.scratch_bytes) + record.page_bytes;
       EXPECT_LE(record.scratch_bytes,
-                decode_scratch_bound(record.triangle_count, record.vertex_count, record.glb_bytes));
+                decode_scratch_bound(record, record.glb_bytes));
       RecordProperty("bytes_per_triangle", std::to_string(taken / record.triangle_count));
       if (std::getenv("ZONECAST_PRINT") != nullptr)
         std::printf("%s %6u tri %6u vert %7llu glb: %9lld of %9lld, %.1f B/tri\n", sequential ? "seq" : "edge",

@@ -12,6 +12,8 @@
 
 #include "base/check.h"
 #include "base/file.h"
+#include "shaders/shared/page_node.h"
+#include "streamer/world_format/cluster_tables.h"
 
 namespace zc::test {
 namespace {
@@ -128,85 +130,106 @@ std::vector<std::byte> make_glb(const std::vector<Stream>& streams) {
   return out;
 }
 
-struct Box {
-  Vertex low = {0xFFFF, 0xFFFF, 0xFFFF};
-  Vertex high = {0, 0, 0};
-};
-
+// Halves three times a node, at the median of the longest axis.
 class MedianBuilder {
  public:
-  explicit MedianBuilder(const ZoneMesh& mesh) : mesh_(mesh) {
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) bvh_.order.push_back(t);
+  MedianBuilder(const ZoneMesh& mesh, const NodeRecord& record) : mesh_(mesh), record_(record) {
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) order_.push_back(t);
   }
 
   BvhFile run() {
-    const auto count = static_cast<std::uint32_t>(bvh_.order.size());
-    if (count <= 4) {
-      bvh_.nodes.emplace_back();
-      set_child(0, 0, box_of(0, count), leaf(0, count));
-      set_child(0, 1, Box{}, gpu::kRefNone);
-      bvh_.depth = 1;
-    } else {
-      split(0, count, 1);
-    }
+    bvh_.nodes.emplace_back();
+    bvh_.clusters.push_back(0);
+    fill(0, 0, static_cast<std::uint32_t>(order_.size()), 1);
     return std::move(bvh_);
   }
 
  private:
-  static std::uint32_t leaf(std::uint32_t first, std::uint32_t count) {
-    return gpu::kRefLeaf | count << gpu::kRefCountShift | first;
-  }
+  static constexpr std::uint32_t kLeaf = 4;
 
-  std::uint32_t split(std::uint32_t first, std::uint32_t end, std::uint32_t depth) {
-    const auto node = static_cast<std::uint32_t>(bvh_.nodes.size());
-    bvh_.nodes.emplace_back();
-    bvh_.depth = std::max(bvh_.depth, depth);
-    const Box box = box_of(first, end);
+  void halve(std::uint32_t first, std::uint32_t end, int times, std::vector<std::array<std::uint32_t, 2>>& parts) {
+    if (times == 0 || end - first <= kLeaf) {
+      parts.push_back({first, end});
+      return;
+    }
+    const NodeBox box = box_of(first, end);
     std::size_t axis = 0;
     for (std::size_t a = 1; a < 3; ++a)
-      if (box.high[a] - box.low[a] > box.high[axis] - box.low[axis]) axis = a;
+      if (box.max[a] - box.min[a] > box.max[axis] - box.min[axis]) axis = a;
     const auto key = [&](std::uint32_t t) {
       std::uint32_t sum = 0;
       for (const std::uint32_t v : mesh_.triangles[t]) sum += mesh_.vertices[v][axis];
       return std::pair(sum, t);
     };
-    const std::uint32_t middle = (first + end) / 2;
-    std::sort(bvh_.order.begin() + first, bvh_.order.begin() + end,
+    std::sort(order_.begin() + first, order_.begin() + end,
               [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-    const std::array<std::pair<std::uint32_t, std::uint32_t>, 2> halves = {{{first, middle}, {middle, end}}};
-    for (int side = 0; side < 2; ++side) {
-      const auto [a, b] = halves[static_cast<std::size_t>(side)];
-      const std::uint32_t ref = b - a <= 4 ? leaf(a, b - a) : split(a, b, depth + 1);
-      set_child(node, side, box_of(a, b), ref);
-    }
-    return node;
+    const std::uint32_t middle = (first + end) / 2;
+    halve(first, middle, times - 1, parts);
+    halve(middle, end, times - 1, parts);
   }
 
-  [[nodiscard]] Box box_of(std::uint32_t first, std::uint32_t end) const {
-    Box box;
+  void fill(std::uint32_t index, std::uint32_t first, std::uint32_t end, std::uint32_t depth) {
+    bvh_.depth = std::max(bvh_.depth, depth);
+    std::vector<std::array<std::uint32_t, 2>> parts;
+    halve(first, end, 3, parts);
+    std::array<NodeBox, gpu::kNodeWidth> boxes;
+    for (std::size_t i = 0; i < parts.size(); ++i) boxes[i] = box_of(parts[i][0], parts[i][1]);
+    gpu::PageNode node = pack_boxes(boxes);
+    std::vector<std::uint32_t> leaves;
+    std::vector<std::size_t> inner;
+    for (std::uint32_t i = 0; i < parts.size(); ++i) {
+      const auto [a, b] = parts[i];
+      if (b - a > kLeaf) {
+        node.exponents_masks |= 1U << (16 + i);
+        inner.push_back(i);
+      } else {
+        node.exponents_masks |= 1U << (24 + i);
+        node.leaf_counts |= (b - a) << (4 * i);
+        leaves.insert(leaves.end(), order_.begin() + a, order_.begin() + b);
+      }
+    }
+    if (!leaves.empty()) append(node, leaves);
+    const auto child = static_cast<std::uint32_t>(bvh_.nodes.size());
+    if (!inner.empty()) node.child_offset = child;
+    bvh_.nodes[index] = node;
+    bvh_.nodes.resize(bvh_.nodes.size() + inner.size());
+    for (std::uint32_t i = 0; i < inner.size(); ++i) fill(child + i, parts[inner[i]][0], parts[inner[i]][1], depth + 1);
+  }
+
+  bool try_add(const std::vector<std::uint32_t>& triangles) {
+    for (const std::uint32_t t : triangles)
+      for (const std::uint32_t v : mesh_.triangles[t])
+        if (!vertices_.add(mesh_.vertices[v])) return false;
+    return true;
+  }
+
+  void append(gpu::PageNode& node, const std::vector<std::uint32_t>& triangles) {
+    if (!try_add(triangles)) {
+      bvh_.clusters.push_back(static_cast<std::uint32_t>(bvh_.order.size()));
+      vertices_.clear();
+      ZC_CHECK(try_add(triangles));
+    }
+    node.triangle_offset = static_cast<std::uint32_t>(bvh_.order.size());
+    node.cluster_offset = static_cast<std::uint32_t>(bvh_.clusters.size()) - 1;
+    bvh_.order.insert(bvh_.order.end(), triangles.begin(), triangles.end());
+  }
+
+  [[nodiscard]] NodeBox box_of(std::uint32_t first, std::uint32_t end) const {
+    NodeBox box;
     for (std::uint32_t i = first; i < end; ++i)
-      for (const std::uint32_t v : mesh_.triangles[bvh_.order[i]])
-        for (std::size_t a = 0; a < 3; ++a) {
-          box.low[a] = std::min(box.low[a], mesh_.vertices[v][a]);
-          box.high[a] = std::max(box.high[a], mesh_.vertices[v][a]);
-        }
+      for (const std::uint32_t v : mesh_.triangles[order_[i]]) {
+        std::array<std::int32_t, 3> p{};
+        for (std::size_t a = 0; a < 3; ++a)
+          p[a] = record_.origin[a] + (std::int32_t{mesh_.vertices[v][a]} << record_.step_shift);
+        box.add({p, p});
+      }
     return box;
   }
 
-  void set_child(std::uint32_t node, int side, const Box& box, std::uint32_t ref) {
-    const auto pack = [](std::uint32_t low, std::uint32_t high) { return low | high << 16U; };
-    const std::uint32_t a = pack(box.low[0], box.low[1]);
-    const std::uint32_t b = pack(box.low[2], box.high[0]);
-    const std::uint32_t c = pack(box.high[1], box.high[2]);
-    gpu::BvhNode& n = bvh_.nodes[node];
-    if (side == 0) {
-      n.min0_xy = a, n.min0_z_max0_x = b, n.max0_yz = c, n.ref0 = ref;
-    } else {
-      n.min1_xy = a, n.min1_z_max1_x = b, n.max1_yz = c, n.ref1 = ref;
-    }
-  }
-
   const ZoneMesh& mesh_;
+  const NodeRecord& record_;
+  std::vector<std::uint32_t> order_;
+  ClusterVertices vertices_;
   BvhFile bvh_;
 };
 
@@ -217,7 +240,7 @@ void add_files(TinyWorld& world, NodeRecord& record, TinyZone zone) {
 
 }  // namespace
 
-BvhFile build_median_bvh(const ZoneMesh& mesh) { return MedianBuilder(mesh).run(); }
+BvhFile build_median_bvh(const ZoneMesh& mesh, const NodeRecord& record) { return MedianBuilder(mesh, record).run(); }
 
 TinyZone make_tiny_zone(std::uint32_t grid, std::uint32_t soup, std::uint32_t extent, std::uint32_t seed,
                         NodeRecord& record, bool sequential) {
@@ -239,14 +262,17 @@ TinyZone make_tiny_zone(std::uint32_t grid, std::uint32_t soup, std::uint32_t ex
   const Result<ZoneMesh> mesh = decode_zone_glb(zone.glb, record, "tiny");
   if (!mesh.ok()) std::fprintf(stderr, "%s\n", mesh.error().describe().c_str());
   ZC_CHECK(mesh.ok());
-  const BvhFile bvh = build_median_bvh(*mesh);
+  const BvhFile bvh = build_median_bvh(*mesh, record);
   zone.bvh = encode_bvh_file(bvh);
   record.bvh_node_count = static_cast<std::uint32_t>(bvh.nodes.size());
   record.bvh_depth = bvh.depth;
   record.bvh_bytes = zone.bvh.size();
   record.bvh_xxh3 = XXH3_64bits(zone.bvh.data(), zone.bvh.size());
-  record.page_bytes = 4 * (8 + 8 * record.bvh_node_count + 5 * record.triangle_count);
+  record.reference_count = static_cast<std::uint32_t>(bvh.order.size());
   record.scratch_bytes = decode_scratch_bytes(zone.glb, record);
+  const auto page = assemble_page(*mesh, bvh, record, 2, "tiny");
+  ZC_CHECK(page.ok());
+  record.page_bytes = static_cast<std::uint32_t>(4 * page->size());
   return zone;
 }
 

@@ -47,7 +47,7 @@ TinyZone make_tiny_zone(std::uint32_t grid, std::uint32_t soup, std::uint32_t ex
                         NodeRecord& record, bool sequential = false);
 
 // A plain median-split BVH, and the page of a zone's files (which must be sound).
-BvhFile build_median_bvh(const ZoneMesh& mesh);
+BvhFile build_median_bvh(const ZoneMesh& mesh, const NodeRecord& record);
 std::vector<std::uint32_t> page_of(const TinyWorld& world, std::uint32_t node);
 
 class MemorySource final : public Source {

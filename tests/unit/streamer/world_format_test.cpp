@@ -6,7 +6,9 @@
 #include <random>
 
 #include "streamer/streamer.h"
+#include "shaders/shared/page_node.h"
 #include "streamer/world_format/bvh_page.h"
+#include "streamer/world_format/page_view.h"
 #include "streamer/world_format/world_index.h"
 #include "tests/unit/streamer/tiny_world.h"
 
@@ -114,7 +116,9 @@ TEST(WorldIndex, refuses_trees_that_are_none) {
   EXPECT_TRUE(refused([](Nodes& n) { n[1].parent = 2; }));
   EXPECT_TRUE(refused([](Nodes& n) { n[2].first_child = n[1].first_child; }));
   EXPECT_TRUE(refused([](Nodes& n) { n[1].page_bytes += 4; }));
-  EXPECT_TRUE(refused([](Nodes& n) { n[1].bvh_bytes += 4; }));
+  EXPECT_TRUE(refused([](Nodes& n) { n[1].bvh_bytes = 0; }));
+  EXPECT_TRUE(refused([](Nodes& n) { n[1].reference_count = n[1].triangle_count - 1; }));
+  EXPECT_TRUE(refused([](Nodes& n) { n[1].reference_count = 3 * n[1].triangle_count; }));
   EXPECT_TRUE(refused([](Nodes& n) { n[1].error_max_m = NAN; }));
   EXPECT_TRUE(refused([](Nodes& n) { n[1].bounds_max[0] = n[1].bounds_min[0] - 1; }));
   EXPECT_TRUE(refused([](Nodes& n) { n[1].flags = 8; }));
@@ -188,36 +192,58 @@ TEST(ZoneGlb, deeply_nested_json_is_an_error) {
 }
 
 TEST(Page, check_finds_wrong_boxes_references_depths_and_materials) {
-  const std::vector<std::uint32_t> good = test::page_of(world(), 0);
-  ASSERT_TRUE(verify_page(good, 2, "p").ok());
+  NodeRecord record;
+  const test::TinyZone zone = test::make_tiny_zone(12, 60, 10000, 3, record);
+  const auto mesh = decode_zone_glb(zone.glb, record, "g");
+  const auto bvh = decode_bvh_file(zone.bvh, "b");
+  ASSERT_TRUE(mesh.ok() && bvh.ok());
+  const auto assembled = assemble_page(*mesh, *bvh, record, 2, "p");
+  ASSERT_TRUE(assembled.ok());
+  const std::vector<std::uint32_t>& good = *assembled;
   EXPECT_FALSE(verify_page(good, 1, "p").ok());  // material 1 does not exist
+  const PageView view(good);
+  const gpu::PageHeader header = view.header();
+  ASSERT_GT(header.node_count, 8U);
+  ASSERT_GT(header.cluster_count, 1U);
   const auto refused = [&](std::size_t word, std::uint32_t value) {
     std::vector<std::uint32_t> page = good;
+    EXPECT_NE(page[word], value) << word;
     page[word] = value;
     return !verify_page(page, 2, "p").ok();
   };
-  EXPECT_TRUE(refused(0, 0));                // magic
-  EXPECT_TRUE(refused(5, good[5] - 1));      // depth
-  EXPECT_TRUE(refused(5, 33));               //
-  EXPECT_TRUE(refused(7, 1));                // reserved
-  EXPECT_TRUE(refused(8 + 0, good[8] + 1));  // a box that leaves out a vertex
-  EXPECT_TRUE(refused(8 + 2, good[8 + 2] - 0x10000));
-  EXPECT_TRUE(refused(8 + 6, good[8 + 7]));    // a subtree twice
-  EXPECT_TRUE(refused(8 + 6, 0));              // a cycle
-  EXPECT_TRUE(refused(8 + 6, 0x00FFFFFF));     // a node that is not there
-  EXPECT_TRUE(refused(8 + 6, gpu::kRefNone));  // a subtree left out
-  EXPECT_TRUE(refused(8 + 6, gpu::kRefLeaf | 9U << gpu::kRefCountShift));
-}
-
-TEST(Page, a_single_child_is_the_first) {
-  constexpr std::uint32_t leaf = gpu::kRefLeaf | 1U << gpu::kRefCountShift;
-  std::vector<std::uint32_t> page = {gpu::kPageMagic, 1, 1, 8, 16, 1, 21, 0};
-  page.resize(21);
-  page[14] = leaf;
-  page[15] = gpu::kRefNone;
-  EXPECT_TRUE(verify_page(page, 1, "p").ok());
-  std::swap(page[14], page[15]);
-  EXPECT_FALSE(verify_page(page, 1, "p").ok());
+  EXPECT_TRUE(refused(0, 0));                 // magic
+  EXPECT_TRUE(refused(1, 2));                 // flags
+  EXPECT_TRUE(refused(2, good[2] - 1));       // a node more than it says
+  EXPECT_TRUE(refused(8, good[8] - 1));       // depth
+  EXPECT_TRUE(refused(8, good[8] + 1));       //
+  EXPECT_TRUE(refused(10, 1));                // reserved
+  const std::size_t root = PageView::node_word(0);
+  EXPECT_TRUE(refused(root + 0, good[root] + 1000));             // boxes that leave out what they hold
+  EXPECT_TRUE(refused(root + 3, good[root + 3] - 1));            //
+  EXPECT_TRUE(refused(root + 4, 0));                             // a cycle
+  EXPECT_TRUE(refused(root + 4, good[root + 4] + 1));            // between two nodes
+  EXPECT_TRUE(refused(root + 4, 0xFFFFFFF0));                    // backwards
+  EXPECT_TRUE(refused(root + 4, good[root + 4] + 20));           // a subtree left out
+  EXPECT_TRUE(refused(root + 3, good[root + 3] ^ 1U << 16U));    // a child that is missing
+  EXPECT_TRUE(refused(root + 3, good[root + 3] ^ 1U << 24U));    // both node and leaf
+  std::uint32_t leafy = 0;
+  while (leaf_mask(view.node(leafy)) == 0) ++leafy;
+  const std::size_t leaf = PageView::node_word(leafy);
+  EXPECT_TRUE(refused(leaf + 5, good[leaf + 5] + 1));            // another node's triangle
+  EXPECT_TRUE(refused(leaf + 7, good[leaf + 7] + 4));            // no cluster's place
+  EXPECT_TRUE(refused(leaf + 6, good[leaf + 6] + 1));            // a triangle too many
+  EXPECT_TRUE(refused(leaf + 6, good[leaf + 6] | 9));            //
+  const std::size_t cluster = view.entry(1).offset_words;
+  EXPECT_TRUE(refused(cluster + 3, good[cluster + 3] - 8));      // vertices too few
+  EXPECT_TRUE(refused(cluster + 3, good[cluster + 3] + 512));    // a triangle too many
+  EXPECT_TRUE(refused(cluster + 4, 0x7FC00000));                 // an error that is no number
+  EXPECT_TRUE(refused(cluster + 5, good[cluster + 5] + 4));      // another page's start
+  EXPECT_TRUE(refused(cluster + 6, good[cluster + 6] + 1));
+  EXPECT_TRUE(refused(cluster + 7, good[cluster + 7] + 1000));   // palette
+  EXPECT_TRUE(refused(cluster + 8, good[cluster + 8] | 0xFF));   // vertex 255
+  EXPECT_TRUE(refused(cluster + 8, good[cluster + 8] | 0xFF000000));  // palette place 255
+  EXPECT_TRUE(refused(header.entries_offset_words + 2, 0));      // cluster table
+  EXPECT_TRUE(refused(header.palette_offset_words, 0x00020001));
 }
 
 TEST(Page, flips_and_prefixes_are_errors_or_sound_pages) {

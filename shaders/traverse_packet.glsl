@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+// Closest hits of a packet of rays by a team of eight invocations, against one set of zones. Every invocation owns
+// kRaysPerLane rays, but nodes and triangles are culled the other way round: invocation = child box, then invocation =
+// triangle, each against a frustum that holds the whole packet. Only the triangles that are left are tested invocation =
+// ray. A node thus costs about the same for eight rays and for sixty-four, and is fetched and decoded once.
+// Sources: frustum bounds of coherent packets after Reshetov, Soupikov & Hurley 2005 ("Multi-level ray tracing
+// algorithm"), bounded on the dominant axis after Wald, Ize, Kensler, Knoll & Parker 2006 (grid traversal of packets).
+//
+// Rays form groups that leave the same plane, run along the same axis and differ little in direction. What does not pay
+// comes back as a retry for the traversal of single rays: groups that are too small, and groups whose frustum met more than
+// kPacketBudget nodes and batches of triangles. Both traversals find the same triangle, so it does not matter which did.
+
+void PAGE_NAME(trace_packet)(uint first_ray) {
+  const float step_m = frame.sun_radiance.w;
+  const float per_m = 1.0 / step_m;
+  vec3 origin[kRaysPerLane];  // permuted by the ray's longest axis, like the scale of its shear
+  vec3 scale[kRaysPerLane];
+  float t_min[kRaysPerLane];
+  float t_max[kRaysPerLane];  // of the nearest hit, once there is one
+  uint best[kRaysPerLane];
+  uint best_cluster[kRaysPerLane];
+  uint key[kRaysPerLane];  // of the plane and the axis; kDone: nothing left to do
+  const uint kDone = 0xFFFFFFFFu;
+
+  for (int r = 0; r < kRaysPerLane; ++r) {
+    const uint index = first_ray + kTeam * uint(r) + team_lane;
+    const bool there = index < counters.ray_count;
+    const RayTask task = load_ray(there ? index : first_ray);
+    const Shear shear = make_shear(vec3(task.dir_x, task.dir_y, task.dir_z));
+    origin[r] = permute(vec3(task.origin_x, task.origin_y, task.origin_z) * per_m, shear.longest);
+    scale[r] = shear.scale;
+    t_min[r] = task.t_min * per_m;
+    t_max[r] = task.t_max * per_m;
+    best[r] = kNoZone;
+    best_cluster[r] = 0u;
+    key[r] = there ? packet_key(vec3(task.plane_x, task.plane_y, task.plane_z), shear) : kDone;
+  }
+
+  for (uint round = 0u; round < kTeam * uint(kRaysPerLane); ++round) {
+    // The leader: the first ray that is left.
+    uint lead_ray = 0xFFFFFFFFu;
+    for (int r = 0; r < kRaysPerLane; ++r)
+      lead_ray = min(lead_ray, key[r] != kDone ? uint(r) * kTeam + team_lane : 0xFFFFFFFFu);
+    lead_ray = team_min(lead_ray);
+    if (lead_ray == 0xFFFFFFFFu) break;
+    const RayTask lead = load_ray(first_ray + lead_ray);
+    const vec3 lead_direction = vec3(lead.dir_x, lead.dir_y, lead.dir_z);
+    const vec3 plane = vec3(lead.plane_x, lead.plane_y, lead.plane_z);
+    const bool leaves_surface = dot(plane, plane) > 0.0;
+    const Shear lead_shear = make_shear(lead_direction);
+    const int longest = lead_shear.longest;
+    const uint lead_key = packet_key(plane, lead_shear);
+    const vec3 lead_axis = permute(lead_direction, longest);
+    const float forward = lead_axis.z < 0.0 ? -1.0 : 1.0;
+    const uint octant = direction_octant(lead_direction);
+    const vec3 lead_plane = permute(plane, longest);
+
+    // Who comes along; the packet's frustum. Along the axis it begins at the first origin: z counts from there, forward.
+    uint members = 0u;  // bit per ray of this lane
+    float start = kNever;
+    for (int r = 0; r < kRaysPerLane; ++r) {
+      const bool joins = key[r] == lead_key &&
+                         dot(vec3(scale[r].xy, 1.0), lead_axis) / scale[r].z > kGroupCosine;
+      members |= joins ? 1u << r : 0u;
+      key[r] = joins ? kDone : key[r];
+      start = min(start, joins ? (origin[r].z + t_min[r] / scale[r].z) * forward : kNever);
+    }
+    start = team_min(start);
+    start -= abs(start) * 1e-6;
+    vec2 from_low = vec2(kNever);  // x and y at the start: bounds over the rays
+    vec2 from_high = vec2(-kNever);
+    vec2 slope_low = vec2(kNever);
+    vec2 slope_high = vec2(-kNever);
+    vec2 reach_low = vec2(kNever);  // x and y that no ray goes below or above, because all run away from there
+    vec2 reach_high = vec2(-kNever);
+    float z_last = -kNever;
+    uint size = 0u;
+    for (int r = 0; r < kRaysPerLane; ++r) {
+      const bool member = (members >> r & 1u) != 0u;
+      size += member ? 1u : 0u;
+      const float ahead = origin[r].z * forward - start;
+      const vec2 slope = scale[r].xy * forward;
+      const vec2 from = origin[r].xy - slope * ahead;
+      const vec2 pad = (abs(origin[r].xy) + abs(slope * ahead)) * 1e-6;
+      const vec2 slope_pad = abs(slope) * 1e-6;
+      from_low = min(from_low, member ? from - pad : vec2(kNever));
+      from_high = max(from_high, member ? from + pad : vec2(-kNever));
+      slope_low = min(slope_low, member ? slope - slope_pad : vec2(kNever));
+      slope_high = max(slope_high, member ? slope + slope_pad : vec2(-kNever));
+      const vec2 low = vec2(slope.x >= 0.0 ? origin[r].x : -kNever, slope.y >= 0.0 ? origin[r].y : -kNever);
+      const vec2 high = vec2(slope.x <= 0.0 ? origin[r].x : kNever, slope.y <= 0.0 ? origin[r].y : kNever);
+      reach_low = min(reach_low, member ? low - abs(low) * 1e-6 : vec2(kNever));
+      reach_high = max(reach_high, member ? high + abs(high) * 1e-6 : vec2(-kNever));
+      z_last = max(z_last, member ? ahead + t_max[r] / abs(scale[r].z) : -kNever);
+    }
+    from_low = team_min(from_low);
+    from_high = team_max(from_high);
+    slope_low = team_min(slope_low);
+    slope_high = team_max(slope_high);
+    reach_low = team_min(reach_low);
+    reach_high = team_max(reach_high);
+    z_last = team_max(z_last) * 1.000002;
+    const uint group_size = team_sum(size);
+
+    uint steps = group_size < kGroupLeast ? kPacketBudget : 0u;
+    // The stack lies across the lanes: entry i is lane i % 8's, in the first or the second pair of registers.
+    uvec2 stack_low = uvec2(0u);
+    uvec2 stack_high = uvec2(0u);
+    uint sp = 0u;
+    uvec2 group = root_group(SET_ROOT);
+    bool finished = false;
+    uint triangles = 0u;  // bit i: triangle i of the node that was visited last is to be tested
+    uint triangle_word = 0u;
+    uint cluster_word = 0u;
+    // Loops test at their ends: llvmpipe runs through a branch, and once through a loop, with every lane masked off.
+    while (steps < kPacketBudget && !finished) {
+      do {
+        if ((group.y >> 24) == 0u) {
+          finished = sp == 0u;
+          if (finished) break;
+          --sp;
+          const uvec2 entries = sp < kTeam ? stack_low : stack_high;
+          group = uvec2(from_lane(entries.x, sp & 7u), from_lane(entries.y, sp & 7u));
+        }
+        ++steps;
+        const uint node = take_child(group, octant);
+        if ((group.y >> 24) != 0u) {
+          const bool mine = team_lane == (sp & 7u);
+          stack_low = mine && sp < kTeam ? group : stack_low;
+          stack_high = mine && sp >= kTeam ? group : stack_high;
+          ++sp;
+        }
+        // Lane i fetches the i-th four words of the node, then decodes and tests child i.
+        const uvec4 words = PAGE_NAME(load4)(node + 4u * min(team_lane, 4u));
+        const uvec3 node_origin = uvec3(from_lane(words.x, 0u), from_lane(words.y, 0u), from_lane(words.z, 0u));
+        const uint masks = from_lane(words.w, 0u);
+        const bool upper = team_lane >= 4u;
+        const uint shift = 8u * (team_lane & 3u);
+        const uvec3 low_bytes = uvec3(upper ? from_lane(words.y, 2u) : from_lane(words.x, 2u),
+                                      upper ? from_lane(words.w, 2u) : from_lane(words.z, 2u),
+                                      upper ? from_lane(words.y, 3u) : from_lane(words.x, 3u));
+        const uvec3 high_bytes = uvec3(upper ? from_lane(words.w, 3u) : from_lane(words.z, 3u),
+                                       upper ? from_lane(words.y, 4u) : from_lane(words.x, 4u),
+                                       upper ? from_lane(words.w, 4u) : from_lane(words.z, 4u));
+        const vec3 from = vec3(ivec3(node_origin) - frame.camera_lattice.xyz);
+        const vec3 unit = uintBitsToFloat(((uvec3(masks, masks >> 5, masks >> 10) & 31u) + 127u) << 23);
+        const vec3 box_low = permute(from + vec3((low_bytes >> shift) & 0xFFu) * unit, longest);
+        const vec3 box_high = permute(from + vec3((high_bytes >> shift) & 0xFFu) * unit, longest);
+        const float z0 = max((forward > 0.0 ? box_low.z : -box_high.z) - start, 0.0);
+        const float z1 = (forward > 0.0 ? box_high.z : -box_low.z) - start;
+        const vec2 beam_low = max(reach_low, min(from_low + slope_low * z0, from_low + slope_low * z1));
+        const vec2 beam_high = min(reach_high, max(from_high + slope_high * z0, from_high + slope_high * z1));
+        const bool touched = z1 >= 0.0 && z0 <= z_last && box_low.x <= beam_high.x && box_high.x >= beam_low.x &&
+                             box_low.y <= beam_high.y && box_high.y >= beam_low.y;
+        const uint met_children = team_ballot(touched) & (masks >> 16 | masks >> 24) & 0xFFu;
+        const uint inner = masks >> 16 & 0xFFu;
+        triangles = leaf_triangles(met_children & (masks >> 24), from_lane(words.z, 1u));
+        triangle_word = node + from_lane(words.y, 1u);
+        cluster_word = node + from_lane(words.w, 1u);
+        group = uvec2(node + from_lane(words.x, 1u), order_slots(met_children & inner, octant) << 24 | inner);
+      } while (triangles == 0u && steps < kPacketBudget);
+      if (triangles == 0u) break;
+
+      const PAGE_NAME(Cluster) cluster = PAGE_NAME(load_cluster)(cluster_word);
+      const float own_height_m = cluster.error_m + 2.0 * step_m;
+      do {
+        uint first;  // of the eight triangles at hand
+        uint left;   // bit per lane: its triangle is still to be tested
+        uint own;
+        vec3 a;
+        vec3 b;
+        vec3 c;
+        do {
+          // Eight triangles at a time, from the first that is left; lane i has the i-th.
+          ++steps;
+          first = uint(findLSB(triangles));
+          const bool candidate = first + team_lane < kNodeMaxTriangles && (triangles >> (first + team_lane) & 1u) != 0u;
+          triangles &= first < 24u ? 0xFFFFFFFFu << (first + kTeam) : 0u;
+          const uint corners = PAGE_NAME(load)(triangle_word + (candidate ? first + team_lane : first));
+          a = permute(
+              PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, corners & 0xFFu), longest);
+          b = permute(
+              PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (corners >> 8) & 0xFFu), longest);
+          c = permute(
+              PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (corners >> 16) & 0xFFu),
+              longest);
+          const vec3 low = min(min(a, b), c);
+          const vec3 high = max(max(a, b), c);
+          const float t0 = max((forward > 0.0 ? low.z : -high.z) - start, 0.0);
+          const float t1 = (forward > 0.0 ? high.z : -low.z) - start;
+          const vec2 near_low = max(reach_low, min(from_low + slope_low * t0, from_low + slope_low * t1));
+          const vec2 near_high = min(reach_high, max(from_high + slope_high * t0, from_high + slope_high * t1));
+          left = team_ballot(candidate && t1 >= 0.0 && t0 <= z_last && low.x <= near_high.x && high.x >= near_low.x &&
+                                  low.y <= near_high.y && high.y >= near_low.y);
+          own = leaves_surface && winds_with(a, b, c, lead_plane) ? 1u : 0u;
+        } while (left == 0u && triangles != 0u);
+        do {
+          const uint lane = uint(findLSB(left));
+          const uint word = triangle_word + first + lane;
+          const vec3 ta = from_lane(a, lane);
+          const vec3 tb = from_lane(b, lane);
+          const vec3 tc = from_lane(c, lane);
+          const bool is_own = from_lane(own, lane) != 0u;
+          for (int r = 0; r < kRaysPerLane; ++r) {
+            float t;
+            const bool met = hit_triangle(ta, tb, tc, origin[r], scale[r], t);
+            const bool take = met && (members >> r & 1u) != 0u && t >= t_min[r] &&
+                              (t < t_max[r] || (t == t_max[r] && word < best[r])) &&
+                              !(is_own && height_over(t, scale[r], lead_plane) * step_m <= own_height_m);
+            t_max[r] = take ? t : t_max[r];
+            best[r] = take ? word : best[r];
+            best_cluster[r] = take ? cluster_word : best_cluster[r];
+          }
+          left &= left - 1u;
+        } while (left != 0u);
+      } while (triangles != 0u);
+      float last = -kNever;
+      for (int r = 0; r < kRaysPerLane; ++r)
+        last = max(last, (members >> r & 1u) != 0u
+                             ? origin[r].z * forward - start + t_max[r] / abs(scale[r].z)
+                             : -kNever);
+      z_last = team_max(last) * 1.000002;
+    }
+
+    for (int r = 0; r < kRaysPerLane; ++r) {
+      if ((members >> r & 1u) == 0u) continue;
+      const uint index = first_ray + kTeam * uint(r) + team_lane;
+      if (!finished) {
+        retries[atomicAdd(counters.retry_count, 1u)] = index;
+      } else {
+        hits[index] = PAGE_NAME(make_hit)(t_max[r], best[r], best_cluster[r]);
+      }
+    }
+  }
+}

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+// assemble_page: the decoded mesh's triangles go into the clusters that the BVH file asks for.
+#include <algorithm>
+#include <cstring>
+
+#include "shaders/shared/page_node.h"
+#include "streamer/world_format/bvh_page.h"
+#include "streamer/world_format/cluster_tables.h"
+#include "streamer/world_format/page_view.h"
+
+namespace zc {
+namespace {
+
+class PageAssembly {
+ public:
+  PageAssembly(const ZoneMesh& mesh, const BvhFile& bvh, const NodeRecord& node, const std::string& path)
+      : mesh_(mesh), bvh_(bvh), node_(node), path_(path) {}
+
+  Result<std::vector<std::uint32_t>> run() {
+    ZC_TRY(check_order());
+    page_.reserve(node_.page_bytes / 4);
+    page_.resize(gpu::kPageHeaderWords + bvh_.nodes.size() * gpu::kPageNodeWords);
+    std::vector<std::uint32_t> cluster_at(bvh_.clusters.size());
+    std::vector<std::uint32_t> window(bvh_.clusters.size());
+    for (std::uint32_t c = 0; c < cluster_at.size(); ++c) {
+      cluster_at[c] = words();
+      ZC_TRY(append_cluster(c, window[c]));
+    }
+    close_window();
+    gpu::PageHeader header{};
+    header.magic = gpu::kPageMagic;
+    header.flags = bvh_.flags;
+    header.node_count = static_cast<std::uint32_t>(bvh_.nodes.size());
+    header.triangle_count = static_cast<std::uint32_t>(bvh_.order.size());
+    header.cluster_count = static_cast<std::uint32_t>(cluster_at.size());
+    header.depth = bvh_.depth;
+    header.entries_offset_words = words();
+    for (std::size_t c = 0; c < cluster_at.size(); ++c) page_.insert(page_.end(), {bvh_.clusters[c], cluster_at[c]});
+    header.palette_offset_words = words();
+    header.palette_count = static_cast<std::uint32_t>(palette_.size());
+    append_halves(palette_);
+    align();
+    header.total_words = words();
+    std::memcpy(page_.data(), &header, sizeof header);
+    for (std::size_t c = 0; c < cluster_at.size(); ++c)
+      page_[cluster_at[c] + offsetof(gpu::ClusterHeader, palette_words) / 4] =
+          header.palette_offset_words + window[c] / 2 - cluster_at[c];
+    ZC_TRY(place_nodes(cluster_at));
+    return std::move(page_);
+  }
+
+ private:
+  [[nodiscard]] Error fault(const char* cause) const { return {ErrorCode::kFormat, cause, path_}; }
+  [[nodiscard]] std::uint32_t words() const { return static_cast<std::uint32_t>(page_.size()); }
+
+  void align() {
+    while (page_.size() % gpu::kPageAlignWords != 0) page_.push_back(0);
+  }
+
+  template <class Halves>
+  void append_halves(const Halves& values) {
+    const std::size_t at = page_.size();
+    page_.resize(at + (values.size() + 1) / 2);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      page_[at + i / 2] |= static_cast<std::uint32_t>(values[i]) << (16 * (i % 2));
+  }
+
+  // Every triangle has a place, and more than one only where the file says so.
+  Status check_order() const {
+    std::vector<bool> seen(mesh_.triangles.size());
+    const bool split = (bvh_.flags & gpu::kPageSplitTriangles) != 0;
+    std::size_t missing = seen.size();
+    for (const std::uint32_t triangle : bvh_.order) {
+      if (triangle >= seen.size()) return fault("the triangle order leaves the mesh");
+      if (seen[triangle] && !split) return fault("a triangle comes twice");
+      missing -= seen[triangle] ? 0 : 1;
+      seen[triangle] = true;
+    }
+    if (missing > 0) return fault("a triangle of the mesh is in no leaf");
+    for (const auto& triangle : mesh_.triangles)
+      for (const std::uint32_t corner : triangle)
+        if (corner >= mesh_.vertices.size()) return fault("a triangle leaves the mesh");
+    return {};
+  }
+
+  // Clusters share windows of the palette as long as 256 materials last.
+  void close_window() {
+    palette_.insert(palette_.end(), materials_.materials().begin(), materials_.materials().end());
+    if (palette_.size() % 2 != 0) palette_.push_back(palette_.back());
+    materials_.clear();
+  }
+
+  Status append_cluster(std::uint32_t c, std::uint32_t& window) {
+    const std::size_t first = bvh_.clusters[c];
+    const std::size_t end = c + 1 < bvh_.clusters.size() ? bvh_.clusters[c + 1] : bvh_.order.size();
+    const auto all_fit = [&] {
+      return std::all_of(bvh_.order.begin() + static_cast<std::ptrdiff_t>(first),
+                         bvh_.order.begin() + static_cast<std::ptrdiff_t>(end),
+                         [&](std::uint32_t t) { return materials_.add(mesh_.materials[t]).has_value(); });
+    };
+    ClusterMaterials before = materials_;
+    if (!all_fit()) {
+      materials_ = std::move(before);
+      close_window();
+      if (!all_fit()) return fault("a cluster has more than 256 materials");
+    }
+    window = static_cast<std::uint32_t>(palette_.size());
+
+    const std::size_t at = page_.size();
+    page_.resize(at + gpu::kClusterHeaderWords);
+    vertices_.clear();
+    for (std::size_t i = first; i < end; ++i) {
+      const std::uint32_t triangle = bvh_.order[i];
+      std::uint32_t word = *materials_.add(mesh_.materials[triangle]) << 24;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto number = vertices_.add(mesh_.vertices[mesh_.triangles[triangle][k]]);
+        if (!number) return fault("a cluster has more than 256 vertices");
+        word |= *number << (8 * k);
+      }
+      page_.push_back(word);
+    }
+    for (const ClusterVertices::Vertex& v : vertices_.vertices()) flat_.insert(flat_.end(), v.begin(), v.end());
+    append_halves(flat_);
+    flat_.clear();
+    align();
+    gpu::ClusterHeader header{};
+    header.origin_x = node_.origin[0];
+    header.origin_y = node_.origin[1];
+    header.origin_z = node_.origin[2];
+    if (end - first >= 1U << 18U) return fault("a cluster has too many triangles");
+    header.counts = static_cast<std::uint32_t>(vertices_.vertices().size()) |
+                    static_cast<std::uint32_t>(end - first) << 9 | node_.step_shift << 27;
+    header.error_m = node_.error_max_m;
+    header.page_back_words = static_cast<std::uint32_t>(at);
+    header.first_triangle = static_cast<std::uint32_t>(first);
+    std::memcpy(page_.data() + at, &header, sizeof header);
+    return {};
+  }
+
+  // From numbers in the file to distances in words.
+  Status place_nodes(const std::vector<std::uint32_t>& cluster_at) {
+    for (std::uint32_t i = 0; i < bvh_.nodes.size(); ++i) {
+      gpu::PageNode node = bvh_.nodes[i];
+      const auto at = static_cast<std::uint32_t>(PageView::node_word(i));
+      if (inner_mask(node) != 0) {
+        if (node.child_offset <= i || node.child_offset >= bvh_.nodes.size()) return fault("a node's children are out of range");
+        node.child_offset = (node.child_offset - i) * gpu::kPageNodeWords;
+      } else if (node.child_offset != 0) {
+        return fault("a node has children that it does not name");
+      }
+      if (leaf_mask(node) != 0) {
+        const std::uint32_t c = node.cluster_offset;
+        if (c >= cluster_at.size() || node.triangle_offset < bvh_.clusters[c] || node.triangle_offset >= bvh_.order.size())
+          return fault("a node's triangles are out of range");
+        node.triangle_offset = cluster_at[c] + gpu::kClusterHeaderWords + node.triangle_offset - bvh_.clusters[c] - at;
+        node.cluster_offset = cluster_at[c] - at;
+      } else if (node.triangle_offset != 0 || node.cluster_offset != 0) {
+        return fault("a node has triangles that it does not name");
+      }
+      std::memcpy(page_.data() + at, &node, sizeof node);
+    }
+    return {};
+  }
+
+  const ZoneMesh& mesh_;
+  const BvhFile& bvh_;
+  const NodeRecord& node_;
+  const std::string& path_;
+  std::vector<std::uint32_t> page_;
+  std::vector<std::uint16_t> palette_;
+  ClusterMaterials materials_;
+  ClusterVertices vertices_;
+  std::vector<std::uint16_t> flat_;
+};
+
+// verify_page cannot ask of one piece of a split triangle that its box holds it all; together they must.
+Status check_split_boxes(std::span<const std::uint32_t> page, const BvhFile& bvh, std::size_t triangles,
+                         const std::string& path) {
+  const PageView view(page);
+  std::vector<NodeBox> boxes(triangles);
+  std::vector<std::uint32_t> position(triangles);
+  for (std::uint32_t i = 0; i < view.header().node_count; ++i) {
+    const gpu::PageNode node = view.node(i);
+    if (leaf_mask(node) == 0) continue;
+    std::uint32_t at = view.first_triangle(i);
+    for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
+      const WideNodeBox wide = child_box(node, slot);
+      NodeBox box;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.min[axis] = static_cast<std::int32_t>(wide.min[axis]);
+        box.max[axis] = static_cast<std::int32_t>(std::min<std::int64_t>(wide.max[axis], INT32_MAX));
+      }
+      for (std::uint32_t k = leaf_count(node, slot); k > 0; --k, ++at) {
+        boxes[bvh.order[at]].add(box);
+        position[bvh.order[at]] = at;
+      }
+    }
+  }
+  for (std::size_t t = 0; t < triangles; ++t)
+    for (const PageView::Point& corner : view.triangle(position[t]).corners)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        if (corner[axis] < boxes[t].min[axis] || corner[axis] > boxes[t].max[axis])
+          return Error{ErrorCode::kFormat, "the pieces of a triangle do not make it up", path};
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<std::uint32_t>> assemble_page(const ZoneMesh& mesh, const BvhFile& bvh, const NodeRecord& node,
+                                                 std::uint32_t material_count, const std::string& path) {
+  if (bvh.nodes.size() != node.bvh_node_count || bvh.depth != node.bvh_depth ||
+      bvh.order.size() != node.reference_count || bvh.clusters.empty())
+    return Error{ErrorCode::kFormat, "the BVH is not the one that the index describes", path};
+  if (mesh.triangles.size() != node.triangle_count || mesh.materials.size() != node.triangle_count)
+    return Error{ErrorCode::kFormat, "mesh and index disagree on the number of triangles", path};
+  ZC_ASSIGN(std::vector<std::uint32_t> page, PageAssembly(mesh, bvh, node, path).run());
+  if (node.page_bytes != 0 && node.page_bytes != 4 * page.size())
+    return Error{ErrorCode::kFormat, "the page is not as large as the index says", path};
+  ZC_TRY(verify_page(page, material_count, path));
+  if ((bvh.flags & gpu::kPageSplitTriangles) != 0) ZC_TRY(check_split_boxes(page, bvh, mesh.triangles.size(), path));
+  return page;
+}
+
+}  // namespace zc
