@@ -16,8 +16,7 @@
 #include <set>
 #include <thread>
 
-#include "baker/bvh/build_wide.h"
-#include "baker/bvh/page_nodes.h"
+#include "baker/bvh/build_page.h"
 #include "baker/cut.h"
 #include "baker/encode.h"
 #include "baker/proxy_tree.h"
@@ -117,21 +116,12 @@ Status encode_node(const ProxyNode& source, std::span<const Material> materials,
 }
 
 Status build_node_bvh(const ZoneMesh& mesh, std::uint32_t material_count, const WorldWriter& writer, NodeRecord& node) {
-  std::vector<BvhTriangle> triangles(mesh.triangles.size());
-  for (std::size_t i = 0; i < triangles.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k) triangles[i][k] = mesh.vertices[mesh.triangles[i][k]];
-  ZC_ASSIGN(const WideTree tree, build_wide_bvh(triangles, {}));
-  const BvhFile bvh = lay_out_bvh(tree, mesh, node);
-  node.bvh_node_count = static_cast<std::uint32_t>(bvh.nodes.size());
-  node.reference_count = static_cast<std::uint32_t>(bvh.order.size());
-  node.bvh_depth = bvh.depth;
-  const std::vector<std::byte> bytes = encode_bvh_file(bvh);
+  const std::string name = node_file(node, "zbvh");
+  ZC_ASSIGN(const BuiltPage page, build_page(mesh, {}, material_count, node, name));
+  const std::vector<std::byte> bytes = encode_bvh_file(page.bvh);
   node.bvh_bytes = bytes.size();
   node.scratch_bytes += bvh_scratch_bytes(node);
   node.bvh_xxh3 = XXH3_64bits(bytes.data(), bytes.size());
-  const std::string name = node_file(node, "zbvh");
-  ZC_ASSIGN(const std::vector<std::uint32_t> page, assemble_page(mesh, bvh, node, material_count, name));
-  node.page_bytes = static_cast<std::uint32_t>(4 * page.size());
   return writer.write(name, bytes);
 }
 

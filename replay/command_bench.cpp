@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "baker/bake.h"
+#include "baker/bvh/build_page.h"
 #include "baker/cut.h"
 #include "baker/generate/city.h"
 #include "baker/import/import.h"
@@ -191,6 +192,11 @@ Result<std::vector<BenchRay>> take_rays(const Arguments& a, const Subject& subje
   return std::move(set.rays);
 }
 
+Result<bench::ZonePage> build_zone_page(const ZoneMesh& mesh, NodeRecord& node) {
+  ZC_ASSIGN(BuiltPage page, build_page(mesh, {}, 1, node, "page"));
+  return bench::ZonePage{std::move(page.words), std::move(page.bvh.order)};
+}
+
 Status check(const Arguments& a) {
   if (!a.world.empty() && !a.triangles.empty())
     return Error{ErrorCode::kArgument, "a world and --triangles: one of them names the scene"};
@@ -213,6 +219,7 @@ Status run(const Arguments& a) {
   if (!a.dump_triangles.empty())
     ZC_TRY(write_file(a.dump_triangles, std::as_bytes(std::span(subject.scene.triangles))));
   bench::TraceBenchOptions options = a.options;
+  options.page_builder = build_zone_page;
   std::optional<Progress> progress(std::in_place);
   options.progress = [&](double fraction, std::string_view stage) { progress->update(fraction, stage); };
   ZC_ASSIGN(const bench::TraceBenchReport report, bench::run_trace_bench(subject.scene, oracle, rays, options));

@@ -38,6 +38,8 @@ class ZoneSet {
   // Triangle positions in the page of the zone in a slot.
   [[nodiscard]] std::uint32_t triangle_count(std::uint32_t slot) const { return triangle_counts_.at(slot); }
   [[nodiscard]] std::uint32_t top_depth() const { return top_depth_; }
+  // What the top level takes of the pool.
+  [[nodiscard]] std::uint64_t top_bytes() const { return top_bytes_; }
   // The top level's root, in words of the pool.
   [[nodiscard]] std::uint32_t root_word() const { return root_word_; }
 
@@ -54,6 +56,7 @@ class ZoneSet {
   std::map<std::uint64_t, PageRoot> roots_;  // by page word
   std::vector<std::uint32_t> triangle_counts_;
   std::uint32_t root_word_ = 0;
+  std::uint64_t top_bytes_ = 0;
   std::uint32_t zone_count_ = 0;
   std::uint32_t top_depth_ = 1;
 };

@@ -7,12 +7,14 @@
 #include <string_view>
 
 #include "replay/bench/trace_engine.h"
+#include "replay/bench/zonecast_engine.h"
 #include "runtime/device.h"
 
 namespace zc::bench {
 
 struct EngineContext {
   Device* device = nullptr;  // borrowed; null where no device was needed
+  const PageBuilder* page_builder = nullptr;  // borrowed; null where there is none
   unsigned threads = 1;
 };
 
@@ -21,7 +23,7 @@ struct EngineEntry {
   bool needs_device;
   // Empty where the engine can run; else why it cannot.
   std::string_view (*missing)(const EngineContext&);
-  std::unique_ptr<TraceEngine> (*make)(const EngineContext&);
+  std::unique_ptr<TraceEngine> (*make)(const EngineContext&, std::string_view name);
 };
 
 // In the order of the table.

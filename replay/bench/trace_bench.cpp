@@ -50,7 +50,7 @@ Result<TraceBenchReport> run_trace_bench(const BenchScene& scene, const Oracle& 
 
   const std::vector<const EngineEntry*> chosen = choose(options.engines);
   const bool by_name = !options.engines.empty();
-  EngineContext context{nullptr, options.threads};
+  EngineContext context{nullptr, &options.page_builder, options.threads};
   std::unique_ptr<Device> device;
   std::string no_device;
   if (std::ranges::any_of(chosen, &EngineEntry::needs_device)) {
@@ -80,7 +80,7 @@ Result<TraceBenchReport> run_trace_bench(const BenchScene& scene, const Oracle& 
       report.left_out.push_back(cause);
       continue;
     }
-    engines.push_back(entry->make(context));
+    engines.push_back(entry->make(context, entry->name));
   }
   double done = 0;
   const auto show = [&](std::string_view stage) {

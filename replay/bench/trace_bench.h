@@ -15,6 +15,7 @@
 
 #include "replay/bench/oracle.h"
 #include "replay/bench/trace_engine.h"
+#include "replay/bench/zonecast_engine.h"
 
 namespace zc::bench {
 
@@ -22,6 +23,7 @@ struct TraceBenchOptions {
   std::vector<std::string> engines;  // empty: all that are there
   unsigned repeat = 5;
   unsigned threads = 2;
+  PageBuilder page_builder;  // without it our own engines are left out
   std::string device;  // part of the Vulkan device's name
   std::function<void(double fraction, std::string_view stage)> progress;  // may be empty
 };

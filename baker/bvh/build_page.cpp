@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/bvh/build_page.h"
+
+#include "baker/bvh/page_nodes.h"
+
+namespace zc {
+
+Result<BuiltPage> build_page(const ZoneMesh& mesh, const BvhBuildOptions& options, std::uint32_t material_count,
+                             NodeRecord& node, const std::string& name) {
+  std::vector<BvhTriangle> triangles(mesh.triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) triangles[i][k] = mesh.vertices[mesh.triangles[i][k]];
+  ZC_ASSIGN(const WideTree tree, build_wide_bvh(triangles, options));
+  BuiltPage page;
+  page.bvh = lay_out_bvh(tree, mesh, node);
+  node.bvh_node_count = static_cast<std::uint32_t>(page.bvh.nodes.size());
+  node.reference_count = static_cast<std::uint32_t>(page.bvh.order.size());
+  node.bvh_depth = page.bvh.depth;
+  node.page_bytes = 0;
+  ZC_ASSIGN(page.words, assemble_page(mesh, page.bvh, node, material_count, name));
+  node.page_bytes = static_cast<std::uint32_t>(4 * page.words.size());
+  return page;
+}
+
+}  // namespace zc

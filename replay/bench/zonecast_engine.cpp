@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replay/bench/zonecast_engine.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <thread>
+#include <utility>
+
+#include "base/check.h"
+#include "runtime/renderer.h"
+#include "runtime/zone_set.h"
+
+namespace zc::bench {
+namespace {
+
+constexpr float kFarthestM = 1e30F;
+constexpr std::uint32_t kPictureWidth = 1024;  // the renderer takes as many rays as its picture has pixels
+
+double ms_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+// The zone's triangles on its own 16-bit lattice, welded; the record says where that lies.
+ZoneMesh weld_zone(const BenchScene& scene, const BenchZone& zone, NodeRecord& node) {
+  using Point = std::array<std::int32_t, 3>;
+  const auto corner = [&](std::uint32_t triangle, std::size_t k) {
+    Point p;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      p[axis] = static_cast<std::int32_t>(
+          std::lround(static_cast<double>(scene.triangles[triangle].v[3 * k + axis]) / scene.step_m));
+    return p;
+  };
+  node.step_shift = zone.step_shift;
+  node.bounds_min.fill(INT32_MAX);
+  node.bounds_max.fill(INT32_MIN);
+  for (std::uint32_t i = 0; i < zone.count; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Point p = corner(zone.first + i, k);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        node.bounds_min[axis] = std::min(node.bounds_min[axis], p[axis]);
+        node.bounds_max[axis] = std::max(node.bounds_max[axis], p[axis]);
+      }
+    }
+  }
+  node.origin = node.bounds_min;
+  ZoneMesh mesh;
+  mesh.materials.resize(zone.count);
+  mesh.triangles.resize(zone.count);
+  std::map<Point, std::uint32_t> known;
+  for (std::uint32_t i = 0; i < zone.count; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Point p = corner(zone.first + i, k);
+      const auto [at, fresh] = known.try_emplace(p, static_cast<std::uint32_t>(mesh.vertices.size()));
+      if (fresh) {
+        std::array<std::uint16_t, 3> q;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const std::int32_t offset = (p[axis] - node.origin[axis]) >> node.step_shift;
+          ZC_CHECK(offset >= 0 && offset <= 65535);
+          q[axis] = static_cast<std::uint16_t>(offset);
+        }
+        mesh.vertices.push_back(q);
+      }
+      mesh.triangles[i][k] = at->second;
+    }
+  }
+  node.triangle_count = zone.count;
+  node.vertex_count = static_cast<std::uint32_t>(mesh.vertices.size());
+  node.primitive_count = 1;
+  return mesh;
+}
+
+class ZonecastEngine final : public TraceEngine {
+ public:
+  ZonecastEngine(Device& device, ZonecastVariant variant, PageBuilder builder, unsigned threads)
+      : device_(device),
+        variant_(std::move(variant)),
+        builder_(std::move(builder)),
+        threads_(threads),
+        zones_(device),
+        no_zones_(device) {}
+  [[nodiscard]] std::string name() const override { return variant_.name; }
+  [[nodiscard]] BuildFigures figures() const override { return figures_; }
+
+  Status build(const BenchScene& scene) override {
+    scene_ = &scene;
+    ZC_ASSIGN(std::vector<ZonePage> pages, build_pages(scene));
+    std::uint64_t words = 0;
+    for (const ZonePage& page : pages) words += page.words.size();
+    const auto count = static_cast<std::uint32_t>(pages.size());
+    ZC_TRY(zones_.create(words, count));
+    ZC_TRY(no_zones_.create(gpu::kPageAlignWords, 1));
+    std::vector<gpu::ZoneEntry> entries;
+    std::uint32_t at = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      ZC_TRY(zones_.upload(at, pages[i].words));
+      gpu::ZoneEntry entry{};
+      entry.page_word = at;
+      entry.node = i;
+      entries.push_back(entry);
+      at += static_cast<std::uint32_t>(pages[i].words.size());
+      order_.push_back(std::move(pages[i].order));
+    }
+    const auto start = std::chrono::steady_clock::now();
+    ZC_TRY(zones_.set_zones(entries));
+    figures_.build_ms += ms_since(start);
+    figures_.bytes = 4 * words + zones_.top_bytes();
+    entries_ = std::move(entries);
+    return {};
+  }
+
+  Result<double> trace(std::span<const BenchRay> rays, std::span<BenchHit> hits) override {
+    const auto height = static_cast<std::uint32_t>((rays.size() + kPictureWidth - 1) / kPictureWidth);
+    if (renderer_ == nullptr || height_ < height) {
+      RendererOptions options;
+      options.width = kPictureWidth;
+      options.height = height_ = height;
+      options.max_zones = static_cast<std::uint32_t>(entries_.size());
+      options.pool_path = variant_.pool_path;
+      options.rays_per_lane = variant_.rays_per_lane;
+      ZC_ASSIGN(renderer_, Renderer::create(device_, zones_, no_zones_, {}, options));
+    }
+    RenderCamera camera;
+    camera.step_m = scene_->step_m;
+    std::vector<gpu::RayTask> tasks(rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const BenchRay& r = rays[i];
+      tasks[i] = {r.ox, r.oy, r.oz, 0, r.dx, r.dy, r.dz, kFarthestM, 0, 0, 0, static_cast<std::uint32_t>(i)};
+    }
+    double milliseconds = 0;
+    ZC_ASSIGN(const std::vector<gpu::HitRecord> records, renderer_->trace(camera, tasks, false, &milliseconds));
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const gpu::HitRecord& record = records[i];
+      if (record.zone == gpu::kHitLost) return Error{ErrorCode::kDevice, "ray " + std::to_string(i) + " was lost"};
+      hits[i] = {};
+      if (record.zone == gpu::kNoZone) continue;
+      const auto zone = std::ranges::lower_bound(entries_, record.zone, {}, &gpu::ZoneEntry::page_word);
+      ZC_CHECK(zone != entries_.end() && zone->page_word == record.zone);
+      hits[i] = {record.t, scene_->zones[zone->node].first + order_[zone->node].at(record.triangle)};
+    }
+    return milliseconds;
+  }
+
+ private:
+  Result<std::vector<ZonePage>> build_pages(const BenchScene& scene) {
+    std::vector<ZonePage> pages(scene.zones.size());
+    std::vector<NodeRecord> nodes(pages.size());
+    std::vector<ZoneMesh> meshes;
+    for (std::size_t i = 0; i < pages.size(); ++i) meshes.push_back(weld_zone(scene, scene.zones[i], nodes[i]));
+    std::vector<Status> results(pages.size());
+    const auto start = std::chrono::steady_clock::now();
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&] {
+      for (std::size_t i = next++; i < pages.size(); i = next++) {
+        Result<ZonePage> page = builder_(meshes[i], nodes[i]);
+        if (page) {
+          pages[i] = *std::move(page);
+        } else {
+          results[i] = std::move(page).error();
+        }
+      }
+    };
+    {
+      std::vector<std::jthread> helpers;
+      for (unsigned i = 1; i < threads_; ++i) helpers.emplace_back(work);
+      work();
+    }
+    figures_.build_ms = ms_since(start);
+    for (Status& result : results) ZC_TRY(std::move(result));
+    return pages;
+  }
+
+  Device& device_;
+  ZonecastVariant variant_;
+  PageBuilder builder_;
+  unsigned threads_;
+  const BenchScene* scene_ = nullptr;
+  ZoneSet zones_;
+  ZoneSet no_zones_;
+  std::vector<gpu::ZoneEntry> entries_;
+  std::vector<std::vector<std::uint32_t>> order_;  // by zone
+  std::unique_ptr<Renderer> renderer_;
+  std::uint32_t height_ = 0;
+  BuildFigures figures_;
+};
+
+}  // namespace
+
+std::unique_ptr<TraceEngine> make_zonecast_engine(Device& device, ZonecastVariant variant, PageBuilder builder,
+                                                  unsigned threads) {
+  return std::make_unique<ZonecastEngine>(device, std::move(variant), std::move(builder), threads);
+}
+
+}  // namespace zc::bench

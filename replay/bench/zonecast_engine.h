@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Our own pages and kernels: a page a zone, the top level over all of them, traced as a frame's rays are.
+// Bytes are those of the pages and the top level; tracing reads nothing else. Build time is that of pages on the CPU's
+// threads and of the top level.
+// Borrows the device. Threads: as the device; the page builder is called from several at once.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "replay/bench/trace_engine.h"
+#include "runtime/device.h"
+#include "shaders/shared/frame.h"
+#include "streamer/world_format/bvh_page.h"
+
+namespace zc::bench {
+
+struct ZonePage {
+  std::vector<std::uint32_t> words;
+  std::vector<std::uint32_t> order;  // by position in the page: triangle of the mesh
+};
+
+// Makes the page of a zone. Given by the composition root, because builders are the baker's.
+using PageBuilder = std::function<Result<ZonePage>(const ZoneMesh& mesh, NodeRecord& node)>;
+
+struct ZonecastVariant {
+  std::string name;
+  std::uint32_t rays_per_lane = 4;              // of packets; 0: rays one by one
+  std::uint32_t pool_path = gpu::kPoolTexels;  // or kPoolStorage
+};
+
+std::unique_ptr<TraceEngine> make_zonecast_engine(Device& device, ZonecastVariant variant, PageBuilder builder,
+                                                  unsigned threads);
+
+}  // namespace zc::bench
