@@ -120,10 +120,25 @@ Shear make_shear(vec3 d) {
   return s;
 }
 
-// Watertight ray/triangle test (Woop et al. 2013, section 3.2), both sides; corners and origin are permuted. An edge
-// function of exactly zero counts as inside for both neighbours: no ray slips between. All of it is `precise`, so that
+// The triangle's normal, as it winds. Differences of lattice points are exact.
+vec3 triangle_normal(vec3 a, vec3 b, vec3 c) {
+  const vec3 ab = b - a;
+  const vec3 ac = c - a;
+  precise float x0 = ab.y * ac.z;
+  precise float x1 = ab.z * ac.y;
+  precise float y0 = ab.z * ac.x;
+  precise float y1 = ab.x * ac.z;
+  precise float z0 = ab.x * ac.y;
+  precise float z1 = ab.y * ac.x;
+  return vec3(x0 - x1, y0 - y1, z0 - z1);
+}
+
+// Watertight ray/triangle test (Woop et al. 2013, section 3.2), both sides; corners, normal and origin are permuted. An
+// edge function of exactly zero counts as inside for both neighbours: no ray slips between. The distance is not theirs,
+// weighted by edge functions, which loses a sliver by its length times the rounding of its width: it is that of the
+// triangle's plane, held within the triangle's own extent where the ray runs along it. All of it is `precise`, so that
 // every kernel finds the same distance.
-bool hit_triangle(vec3 a, vec3 b, vec3 c, vec3 origin, vec3 scale, out float t) {
+bool hit_triangle(vec3 a, vec3 b, vec3 c, vec3 normal, vec3 origin, vec3 scale, out float t) {
   const vec3 pa = a - origin;
   const vec3 pb = b - origin;
   const vec3 pc = c - origin;
@@ -142,22 +157,24 @@ bool hit_triangle(vec3 a, vec3 b, vec3 c, vec3 origin, vec3 scale, out float t) 
   // Products are compared, never subtracted first: the sign is right even where the difference rounds to zero.
   const bool positive = u0 >= u1 && v0 >= v1 && w0 >= w1;
   const bool negative = u0 <= u1 && v0 <= v1 && w0 <= w1;
-  precise float u = u0 - u1;
-  precise float v = v0 - v1;
-  precise float w = w0 - w1;
-  precise float det = u + v + w;
-  precise float distance = (u * pa.z + v * pb.z + w * pc.z) * scale.z / det;
+  const bool edge_on = u0 == u1 && v0 == v1 && w0 == w1;
+  precise float off = normal.x * pa.x + normal.y * pa.y + normal.z * pa.z;
+  precise float facing = normal.x * scale.x + normal.y * scale.y + normal.z;
+  precise float z = off / facing;
+  const float low = min(min(pa.z, pb.z), pc.z);
+  const float high = max(max(pa.z, pb.z), pc.z);
+  z = facing == 0.0 ? low : min(max(z, low), high);
+  precise float distance = z * scale.z;
   t = distance;
-  return (positive || negative) && det != 0.0;
+  return (positive || negative) && !edge_on;
 }
 
 // A hit on the surface that the ray itself leaves, seen through a proxy that lies up to its error off it, is no hit: the
 // proxy's measured error bound decides, not a constant (the thesis's self-reflection fault). Such a face winds as the
 // surface does; a façade across the street winds against it and counts however coarse the proxy is.
-bool winds_with(vec3 a, vec3 b, vec3 c, vec3 plane) {
-  precise vec3 n = cross(b - a, c - a);
-  precise float along = dot(n, plane);
-  return along > 0.7 * length(n);
+bool winds_with(vec3 normal, vec3 plane) {
+  precise float along = dot(normal, plane);
+  return along > 0.7 * length(normal);
 }
 
 // How far a ray has come from its plane at a distance; its direction is its shear over `scale.z`. Permuted.

@@ -85,9 +85,10 @@ HitRecord PAGE_NAME(trace)(TraceRay ray, bool any) {
         const vec3 c = permute(
             PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (corners >> 16) & 0xFFu),
             shear.longest);
+        const vec3 normal = triangle_normal(a, b, c);
         float t;
-        const bool met = hit_triangle(a, b, c, sheared_origin, shear.scale, t);
-        const bool own = leaves_surface && winds_with(a, b, c, sheared_plane) &&
+        const bool met = hit_triangle(a, b, c, normal, sheared_origin, shear.scale, t);
+        const bool own = leaves_surface && winds_with(normal, sheared_plane) &&
                          height_over(t, shear.scale, sheared_plane) * step_m <= own_height_m;
         // Of triangles at the same distance the first in the pool wins, in whatever order they are met.
         if (met && t >= t_min && (t < t_max || (t == t_max && word < best)) && !own) {

@@ -170,6 +170,7 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
         vec3 a;
         vec3 b;
         vec3 c;
+        vec3 normal;
         do {
           // Eight triangles at a time, from the first that is left; lane i has the i-th.
           ++steps;
@@ -192,7 +193,8 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
           const vec2 near_high = min(reach_high, max(from_high + slope_high * t0, from_high + slope_high * t1));
           left = team_ballot(candidate && t1 >= 0.0 && t0 <= z_last && low.x <= near_high.x && high.x >= near_low.x &&
                                   low.y <= near_high.y && high.y >= near_low.y);
-          own = leaves_surface && winds_with(a, b, c, lead_plane) ? 1u : 0u;
+          normal = triangle_normal(a, b, c);
+          own = leaves_surface && winds_with(normal, lead_plane) ? 1u : 0u;
         } while (left == 0u && triangles != 0u);
         do {
           const uint lane = uint(findLSB(left));
@@ -200,10 +202,11 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
           const vec3 ta = from_lane(a, lane);
           const vec3 tb = from_lane(b, lane);
           const vec3 tc = from_lane(c, lane);
+          const vec3 tn = from_lane(normal, lane);
           const bool is_own = from_lane(own, lane) != 0u;
           for (int r = 0; r < kRaysPerLane; ++r) {
             float t;
-            const bool met = hit_triangle(ta, tb, tc, origin[r], scale[r], t);
+            const bool met = hit_triangle(ta, tb, tc, tn, origin[r], scale[r], t);
             const bool take = met && (members >> r & 1u) != 0u && t >= t_min[r] &&
                               (t < t_max[r] || (t == t_max[r] && word < best[r])) &&
                               !(is_own && height_over(t, scale[r], lead_plane) * step_m <= own_height_m);

@@ -88,7 +88,10 @@ class ZonecastEngine final : public TraceEngine {
     scene_ = &scene;
     ZC_ASSIGN(std::vector<ZonePage> pages, build_pages(scene));
     std::uint64_t words = 0;
-    for (const ZonePage& page : pages) words += page.words.size();
+    for (const ZonePage& page : pages) {
+      words += page.words.size();
+      page_depth_ = std::max(page_depth_, page_root(page.words).depth);
+    }
     const auto count = static_cast<std::uint32_t>(pages.size());
     ZC_TRY(zones_.create(words, count));
     ZC_TRY(no_zones_.create(gpu::kPageAlignWords, 1));
@@ -117,6 +120,7 @@ class ZonecastEngine final : public TraceEngine {
       RendererOptions options;
       options.width = kPictureWidth;
       options.height = height_ = height;
+      options.page_depth = page_depth_;
       options.max_zones = static_cast<std::uint32_t>(entries_.size());
       options.pool_path = variant_.pool_path;
       options.rays_per_lane = variant_.rays_per_lane;
@@ -183,6 +187,7 @@ class ZonecastEngine final : public TraceEngine {
   std::vector<std::vector<std::uint32_t>> order_;  // by zone
   std::unique_ptr<Renderer> renderer_;
   std::uint32_t height_ = 0;
+  std::uint32_t page_depth_ = 1;
   BuildFigures figures_;
 };
 
