@@ -120,8 +120,17 @@ Shear make_shear(vec3 d) {
   return s;
 }
 
-// The triangle's normal, as it winds. Differences of lattice points are exact.
-vec3 triangle_normal(vec3 a, vec3 b, vec3 c) {
+// What all rays that meet a triangle share. Permuted; differences of lattice points are exact.
+struct Triangle {
+  vec3 a;
+  vec3 b;
+  vec3 c;
+  vec3 normal;  // as it winds
+  float z_low;
+  float z_high;
+};
+
+Triangle make_triangle(vec3 a, vec3 b, vec3 c) {
   const vec3 ab = b - a;
   const vec3 ac = c - a;
   precise float x0 = ab.y * ac.z;
@@ -130,18 +139,18 @@ vec3 triangle_normal(vec3 a, vec3 b, vec3 c) {
   precise float y1 = ab.x * ac.z;
   precise float z0 = ab.x * ac.y;
   precise float z1 = ab.y * ac.x;
-  return vec3(x0 - x1, y0 - y1, z0 - z1);
+  return Triangle(a, b, c, vec3(x0 - x1, y0 - y1, z0 - z1), min(min(a.z, b.z), c.z), max(max(a.z, b.z), c.z));
 }
 
-// Watertight ray/triangle test (Woop et al. 2013, section 3.2), both sides; corners, normal and origin are permuted. An
-// edge function of exactly zero counts as inside for both neighbours: no ray slips between. The distance is not theirs,
+// Watertight ray/triangle test (Woop et al. 2013, section 3.2), both sides; triangle and origin are permuted. An edge
+// function of exactly zero counts as inside for both neighbours: no ray slips between. The distance is not theirs,
 // weighted by edge functions, which loses a sliver by its length times the rounding of its width: it is that of the
 // triangle's plane, held within the triangle's own extent where the ray runs along it. All of it is `precise`, so that
 // every kernel finds the same distance.
-bool hit_triangle(vec3 a, vec3 b, vec3 c, vec3 normal, vec3 origin, vec3 scale, out float t) {
-  const vec3 pa = a - origin;
-  const vec3 pb = b - origin;
-  const vec3 pc = c - origin;
+bool hit_triangle(Triangle s, vec3 origin, vec3 scale, out float t) {
+  const vec3 pa = s.a - origin;
+  const vec3 pb = s.b - origin;
+  const vec3 pc = s.c - origin;
   precise float ax = pa.x - scale.x * pa.z;
   precise float ay = pa.y - scale.y * pa.z;
   precise float bx = pb.x - scale.x * pb.z;
@@ -157,16 +166,17 @@ bool hit_triangle(vec3 a, vec3 b, vec3 c, vec3 normal, vec3 origin, vec3 scale, 
   // Products are compared, never subtracted first: the sign is right even where the difference rounds to zero.
   const bool positive = u0 >= u1 && v0 >= v1 && w0 >= w1;
   const bool negative = u0 <= u1 && v0 <= v1 && w0 <= w1;
-  const bool edge_on = u0 == u1 && v0 == v1 && w0 == w1;
-  precise float off = normal.x * pa.x + normal.y * pa.y + normal.z * pa.z;
-  precise float facing = normal.x * scale.x + normal.y * scale.y + normal.z;
+  precise float off = s.normal.x * pa.x + s.normal.y * pa.y + s.normal.z * pa.z;
+  precise float facing = s.normal.x * scale.x + s.normal.y * scale.y + s.normal.z;
+  const float low = s.z_low - origin.z;
+  const float high = s.z_high - origin.z;
   precise float z = off / facing;
-  const float low = min(min(pa.z, pb.z), pc.z);
-  const float high = max(max(pa.z, pb.z), pc.z);
-  z = facing == 0.0 ? low : min(max(z, low), high);
+  // Comparisons, because llvmpipe spends three instructions on a minimum for NaN, which z is not.
+  z = facing == 0.0 || z < low ? low : z;
+  z = z > high ? high : z;
   precise float distance = z * scale.z;
   t = distance;
-  return (positive || negative) && !edge_on;
+  return positive != negative;  // both: seen edge on
 }
 
 // A hit on the surface that the ray itself leaves, seen through a proxy that lies up to its error off it, is no hit: the
@@ -177,8 +187,8 @@ bool winds_with(vec3 normal, vec3 plane) {
   return along > 0.7 * length(normal);
 }
 
-// How far a ray has come from its plane at a distance; its direction is its shear over `scale.z`. Permuted.
-float height_over(float t, vec3 scale, vec3 plane) {
-  precise float height = t * (scale.x * plane.x + scale.y * plane.y + plane.z) / scale.z;
-  return abs(height);
+// How fast a ray leaves its plane: height per distance. Its direction is its shear over `scale.z`. Permuted.
+float climb_of(vec3 scale, vec3 plane) {
+  precise float climb = (scale.x * plane.x + scale.y * plane.y + plane.z) / scale.z;
+  return abs(climb);
 }

@@ -5,6 +5,7 @@
 #include "bindings.glsl"
 #include "trace.glsl"
 #include "team.glsl"
+#include "beam.glsl"
 layout(constant_id = 2) const uint kTraceHost = 0u;
 layout(constant_id = 4) const int kRaysPerLane = 4;
 

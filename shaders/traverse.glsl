@@ -24,6 +24,7 @@ HitRecord PAGE_NAME(trace)(TraceRay ray, bool any) {
   const vec3 sheared_origin = permute(origin, shear.longest);
   const bool leaves_surface = dot(ray.plane, ray.plane) > 0.0;
   const vec3 sheared_plane = permute(ray.plane, shear.longest);
+  const float climb = climb_of(shear.scale, sheared_plane);
   const uint octant = direction_octant(ray.direction);
   const bvec3 backward = lessThan(ray.direction, vec3(0.0));
   const float t_min = ray.t_min * per_m;
@@ -85,11 +86,10 @@ HitRecord PAGE_NAME(trace)(TraceRay ray, bool any) {
         const vec3 c = permute(
             PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (corners >> 16) & 0xFFu),
             shear.longest);
-        const vec3 normal = triangle_normal(a, b, c);
+        const Triangle shape = make_triangle(a, b, c);
         float t;
-        const bool met = hit_triangle(a, b, c, normal, sheared_origin, shear.scale, t);
-        const bool own = leaves_surface && winds_with(normal, sheared_plane) &&
-                         height_over(t, shear.scale, sheared_plane) * step_m <= own_height_m;
+        const bool met = hit_triangle(shape, sheared_origin, shear.scale, t);
+        const bool own = leaves_surface && winds_with(shape.normal, sheared_plane) && t * climb * step_m <= own_height_m;
         // Of triangles at the same distance the first in the pool wins, in whatever order they are met.
         if (met && t >= t_min && (t < t_max || (t == t_max && word < best)) && !own) {
           t_max = t;

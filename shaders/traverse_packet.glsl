@@ -16,6 +16,7 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
   vec3 origin[kRaysPerLane];  // permuted by the ray's longest axis, like the scale of its shear
   vec3 scale[kRaysPerLane];
   float t_min[kRaysPerLane];
+  float climb[kRaysPerLane];
   float t_max[kRaysPerLane];  // of the nearest hit, once there is one
   uint best[kRaysPerLane];
   uint best_cluster[kRaysPerLane];
@@ -31,6 +32,7 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
     scale[r] = shear.scale;
     t_min[r] = task.t_min * per_m;
     t_max[r] = task.t_max * per_m;
+    climb[r] = 0.0;
     best[r] = kNoZone;
     best_cluster[r] = 0u;
     key[r] = there ? packet_key(vec3(task.plane_x, task.plane_y, task.plane_z), shear) : kDone;
@@ -62,44 +64,20 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
       const bool joins = key[r] == lead_key &&
                          dot(vec3(scale[r].xy, 1.0), lead_axis) / scale[r].z > kGroupCosine;
       members |= joins ? 1u << r : 0u;
+      climb[r] = joins ? climb_of(scale[r], lead_plane) : climb[r];
       key[r] = joins ? kDone : key[r];
       start = min(start, joins ? (origin[r].z + t_min[r] / scale[r].z) * forward : kNever);
     }
     start = team_min(start);
     start -= abs(start) * 1e-6;
-    vec2 from_low = vec2(kNever);  // x and y at the start: bounds over the rays
-    vec2 from_high = vec2(-kNever);
-    vec2 slope_low = vec2(kNever);
-    vec2 slope_high = vec2(-kNever);
-    vec2 reach_low = vec2(kNever);  // x and y that no ray goes below or above, because all run away from there
-    vec2 reach_high = vec2(-kNever);
-    float z_last = -kNever;
+    Beam beam = empty_beam(start, forward);
     uint size = 0u;
     for (int r = 0; r < kRaysPerLane; ++r) {
       const bool member = (members >> r & 1u) != 0u;
       size += member ? 1u : 0u;
-      const float ahead = origin[r].z * forward - start;
-      const vec2 slope = scale[r].xy * forward;
-      const vec2 from = origin[r].xy - slope * ahead;
-      const vec2 pad = (abs(origin[r].xy) + abs(slope * ahead)) * 1e-6;
-      const vec2 slope_pad = abs(slope) * 1e-6;
-      from_low = min(from_low, member ? from - pad : vec2(kNever));
-      from_high = max(from_high, member ? from + pad : vec2(-kNever));
-      slope_low = min(slope_low, member ? slope - slope_pad : vec2(kNever));
-      slope_high = max(slope_high, member ? slope + slope_pad : vec2(-kNever));
-      const vec2 low = vec2(slope.x >= 0.0 ? origin[r].x : -kNever, slope.y >= 0.0 ? origin[r].y : -kNever);
-      const vec2 high = vec2(slope.x <= 0.0 ? origin[r].x : kNever, slope.y <= 0.0 ? origin[r].y : kNever);
-      reach_low = min(reach_low, member ? low - abs(low) * 1e-6 : vec2(kNever));
-      reach_high = max(reach_high, member ? high + abs(high) * 1e-6 : vec2(-kNever));
-      z_last = max(z_last, member ? ahead + t_max[r] / abs(scale[r].z) : -kNever);
+      widen_beam(beam, member, origin[r], scale[r], t_max[r]);
     }
-    from_low = team_min(from_low);
-    from_high = team_max(from_high);
-    slope_low = team_min(slope_low);
-    slope_high = team_max(slope_high);
-    reach_low = team_min(reach_low);
-    reach_high = team_max(reach_high);
-    z_last = team_max(z_last) * 1.000002;
+    gather_beam(beam);
     const uint group_size = team_sum(size);
 
     uint steps = group_size < kGroupLeast ? kPacketBudget : 0u;
@@ -146,12 +124,7 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
         const vec3 unit = uintBitsToFloat(((uvec3(masks, masks >> 5, masks >> 10) & 31u) + 127u) << 23);
         const vec3 box_low = permute(from + vec3((low_bytes >> shift) & 0xFFu) * unit, longest);
         const vec3 box_high = permute(from + vec3((high_bytes >> shift) & 0xFFu) * unit, longest);
-        const float z0 = max((forward > 0.0 ? box_low.z : -box_high.z) - start, 0.0);
-        const float z1 = (forward > 0.0 ? box_high.z : -box_low.z) - start;
-        const vec2 beam_low = max(reach_low, min(from_low + slope_low * z0, from_low + slope_low * z1));
-        const vec2 beam_high = min(reach_high, max(from_high + slope_high * z0, from_high + slope_high * z1));
-        const bool touched = z1 >= 0.0 && z0 <= z_last && box_low.x <= beam_high.x && box_high.x >= beam_low.x &&
-                             box_low.y <= beam_high.y && box_high.y >= beam_low.y;
+        const bool touched = beam_meets_box(beam, box_low, box_high);
         const uint met_children = team_ballot(touched) & (masks >> 16 | masks >> 24) & 0xFFu;
         const uint inner = masks >> 16 & 0xFFu;
         triangles = leaf_triangles(met_children & (masks >> 24), from_lane(words.z, 1u));
@@ -167,10 +140,7 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
         uint first;  // of the eight triangles at hand
         uint left;   // bit per lane: its triangle is still to be tested
         uint own;
-        vec3 a;
-        vec3 b;
-        vec3 c;
-        vec3 normal;
+        Triangle shape;
         do {
           // Eight triangles at a time, from the first that is left; lane i has the i-th.
           ++steps;
@@ -178,38 +148,30 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
           const bool candidate = first + team_lane < kNodeMaxTriangles && (triangles >> (first + team_lane) & 1u) != 0u;
           triangles &= first < 24u ? 0xFFFFFFFFu << (first + kTeam) : 0u;
           const uint corners = PAGE_NAME(load)(triangle_word + (candidate ? first + team_lane : first));
-          a = permute(
+          const vec3 a = permute(
               PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, corners & 0xFFu), longest);
-          b = permute(
+          const vec3 b = permute(
               PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (corners >> 8) & 0xFFu), longest);
-          c = permute(
+          const vec3 c = permute(
               PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (corners >> 16) & 0xFFu),
               longest);
-          const vec3 low = min(min(a, b), c);
-          const vec3 high = max(max(a, b), c);
-          const float t0 = max((forward > 0.0 ? low.z : -high.z) - start, 0.0);
-          const float t1 = (forward > 0.0 ? high.z : -low.z) - start;
-          const vec2 near_low = max(reach_low, min(from_low + slope_low * t0, from_low + slope_low * t1));
-          const vec2 near_high = min(reach_high, max(from_high + slope_high * t0, from_high + slope_high * t1));
-          left = team_ballot(candidate && t1 >= 0.0 && t0 <= z_last && low.x <= near_high.x && high.x >= near_low.x &&
-                                  low.y <= near_high.y && high.y >= near_low.y);
-          normal = triangle_normal(a, b, c);
-          own = leaves_surface && winds_with(normal, lead_plane) ? 1u : 0u;
+          shape = make_triangle(a, b, c);
+          left = team_ballot(candidate && beam_meets_triangle(beam, shape));
+          own = leaves_surface && winds_with(shape.normal, lead_plane) ? 1u : 0u;
         } while (left == 0u && triangles != 0u);
         do {
           const uint lane = uint(findLSB(left));
           const uint word = triangle_word + first + lane;
-          const vec3 ta = from_lane(a, lane);
-          const vec3 tb = from_lane(b, lane);
-          const vec3 tc = from_lane(c, lane);
-          const vec3 tn = from_lane(normal, lane);
+          const Triangle one =
+              Triangle(from_lane(shape.a, lane), from_lane(shape.b, lane), from_lane(shape.c, lane),
+                       from_lane(shape.normal, lane), from_lane(shape.z_low, lane), from_lane(shape.z_high, lane));
           const bool is_own = from_lane(own, lane) != 0u;
           for (int r = 0; r < kRaysPerLane; ++r) {
             float t;
-            const bool met = hit_triangle(ta, tb, tc, tn, origin[r], scale[r], t);
+            const bool met = hit_triangle(one, origin[r], scale[r], t);
             const bool take = met && (members >> r & 1u) != 0u && t >= t_min[r] &&
                               (t < t_max[r] || (t == t_max[r] && word < best[r])) &&
-                              !(is_own && height_over(t, scale[r], lead_plane) * step_m <= own_height_m);
+                              !(is_own && t * climb[r] * step_m <= own_height_m);
             t_max[r] = take ? t : t_max[r];
             best[r] = take ? word : best[r];
             best_cluster[r] = take ? cluster_word : best_cluster[r];
@@ -219,10 +181,8 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
       } while (triangles != 0u);
       float last = -kNever;
       for (int r = 0; r < kRaysPerLane; ++r)
-        last = max(last, (members >> r & 1u) != 0u
-                             ? origin[r].z * forward - start + t_max[r] / abs(scale[r].z)
-                             : -kNever);
-      z_last = team_max(last) * 1.000002;
+        last = max(last, (members >> r & 1u) != 0u ? reach_of(beam, origin[r], scale[r], t_max[r]) : -kNever);
+      beam.z_last = team_max(last) * 1.000002;
     }
 
     for (int r = 0; r < kRaysPerLane; ++r) {
