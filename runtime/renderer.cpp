@@ -236,8 +236,8 @@ std::span<const std::byte> Renderer::pixels() const {
   return readback_.mapped().first(static_cast<std::size_t>(output_.bytes()));
 }
 
-Result<std::vector<gpu::HitRecord>> Renderer::trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays,
-                                                    bool host, double* milliseconds) {
+Result<std::vector<TracedHit>> Renderer::trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays, bool host,
+                                               double* milliseconds) {
   ZC_CHECK(!rays.empty() && rays.size_bytes() <= rays_.bytes());
   write_frame(camera);
   std::memcpy(readback_.mapped().data(), rays.data(), rays.size_bytes());
@@ -245,16 +245,21 @@ Result<std::vector<gpu::HitRecord>> Renderer::trace(const RenderCamera& camera, 
   counters.ray_count = static_cast<std::uint32_t>(rays.size());
   std::memcpy(counters_readback_.mapped().data(), &counters, sizeof(counters));
   ZC_TRY(device_.run([&](VkCommandBuffer c) {
-    vkCmdResetQueryPool(c, queries_, 0, 2);
     const VkBufferCopy queue{0, 0, rays.size_bytes()};
     vkCmdCopyBuffer(c, readback_.handle(), rays_.handle(), 1, &queue);
     const VkBufferCopy block{0, 0, sizeof(counters)};
     vkCmdCopyBuffer(c, counters_readback_.handle(), counters_.handle(), 1, &block);
     after_transfer(c);
     dispatch_pixels(c, size_, 1, 1);
+  }));
+  ZC_TRY(device_.run([&](VkCommandBuffer c) {
+    vkCmdResetQueryPool(c, queries_, 0, 2);
     stamp(c, 0);
     record_trace(c, host);
     stamp(c, 1);
+  }));
+  ZC_TRY(device_.run([&](VkCommandBuffer c) {
+    dispatch_indirect(c, host ? resolve_host_ : resolve_proxies_, offsetof(gpu::Counters, trace_groups_x));
     const VkBufferCopy back{0, 0, rays.size() * sizeof(gpu::HitRecord)};
     vkCmdCopyBuffer(c, hits_.handle(), readback_.handle(), 1, &back);
     after_transfer(c);
@@ -264,8 +269,12 @@ Result<std::vector<gpu::HitRecord>> Renderer::trace(const RenderCamera& camera, 
     ZC_TRY(read_stamps(ticks));
     *milliseconds = device_.elapsed_ms(ticks[0], ticks[1]);
   }
-  std::vector<gpu::HitRecord> hits(rays.size());
-  std::memcpy(hits.data(), readback_.mapped().data(), hits.size() * sizeof(gpu::HitRecord));
+  std::vector<TracedHit> hits(rays.size());
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    gpu::HitRecord record;
+    std::memcpy(&record, readback_.mapped().data() + i * sizeof record, sizeof record);
+    hits[i] = {record.t, record.pixel, record.triangle};
+  }
   return hits;
 }
 

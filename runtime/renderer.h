@@ -65,6 +65,12 @@ struct FrameResult {
   double total_ms = 0;
 };
 
+struct TracedHit {
+  float t = 0;                      // metres
+  std::uint32_t page_word = 0;      // the page's first word in the pool, or gpu::kHitNone / kHitLost
+  std::uint32_t triangle = 0;       // position in that page
+};
+
 class Renderer {
  public:
   static Result<std::unique_ptr<Renderer>> create(Device& device, const ZoneSet& proxies, const ZoneSet& host,
@@ -79,10 +85,10 @@ class Renderer {
   // The picture: width × height RGBA8 (sRGB), top row first; valid until the next call.
   [[nodiscard]] std::span<const std::byte> pixels() const;
 
-  // Closest hits of rays (positions relative to camera_lattice) against the proxy set or the host set: for tests and
-  // benchmarks. At most width × height rays at a time.
-  Result<std::vector<gpu::HitRecord>> trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays, bool host,
-                                            double* milliseconds = nullptr);
+  // Closest hits of rays (positions relative to camera_lattice) up to the camera's ray_length_m, against the proxy set or
+  // the host set: for tests and benchmarks. At most width × height rays at a time.
+  Result<std::vector<TracedHit>> trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays, bool host,
+                                       double* milliseconds = nullptr);
 
  private:
   Renderer(Device& device, const ZoneSet& proxies, const ZoneSet& host, const RendererOptions& options)
@@ -120,7 +126,7 @@ class Renderer {
   VkFramebuffer overlay_target_ = VK_NULL_HANDLE;
   VkQueryPool queries_ = VK_NULL_HANDLE;
   Pipeline draw_zone_, draw_lines_, light_, reduce_, classify_, size_, march_, trace_proxies_, trace_host_,
-      packet_proxies_, packet_host_, shade_, composite_, debug_;
+      packet_proxies_, packet_host_, resolve_proxies_, resolve_host_, shade_, composite_, debug_;
   std::int32_t rays_per_lane_ = 0;
 };
 

@@ -134,7 +134,7 @@ Status Renderer::create_buffers(std::span<const gpu::MaterialEntry> materials) {
               MemoryUse::kDevice));
   ZC_ASSIGN(ray_texels_, BufferView::create(device_, rays_, VK_FORMAT_R32G32B32A32_UINT));
   ZC_TRY(make(hits_, pixels * sizeof(gpu::HitRecord), storage, MemoryUse::kDevice));
-  ZC_TRY(make(retries_, pixels * 4, storage, MemoryUse::kDevice));
+  ZC_TRY(make(retries_, (pixels / 8 + 1) * sizeof(gpu::Retry), storage, MemoryUse::kDevice));
   ZC_TRY(make(counters_, sizeof(gpu::Counters), storage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, MemoryUse::kDevice));
   ZC_TRY(make(output_, pixels * 4, storage, MemoryUse::kDevice));
   // Large enough for a picture and for the ray queue of trace().
@@ -230,6 +230,8 @@ Status Renderer::create_pipelines() {
   proxy.trace_host = 0;
   ZC_TRY(compute(trace_proxies_, shader::trace_rays(), proxy));
   ZC_TRY(compute(trace_host_, shader::trace_rays(), host));
+  ZC_TRY(compute(resolve_proxies_, shader::resolve_hits(), proxy));
+  ZC_TRY(compute(resolve_host_, shader::resolve_hits(), host));
   if (rays_per_lane_ > 0) {
     ZC_TRY(compute(packet_proxies_, shader::trace_packets(), proxy));
     ZC_TRY(compute(packet_host_, shader::trace_packets(), host));

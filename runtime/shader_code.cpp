@@ -13,6 +13,7 @@
 #include "spirv/light_surfaces.comp.h"
 #include "spirv/march_screen.comp.h"
 #include "spirv/reduce_depth.comp.h"
+#include "spirv/resolve_hits.comp.h"
 #include "spirv/shade_hits.comp.h"
 #include "spirv/show_debug.comp.h"
 #include "spirv/size_dispatch.comp.h"
@@ -32,6 +33,7 @@ std::span<const std::uint32_t> size_dispatch() { return ::size_dispatch_comp; }
 std::span<const std::uint32_t> march_screen() { return ::march_screen_comp; }
 std::span<const std::uint32_t> trace_packets() { return ::trace_packets_comp; }
 std::span<const std::uint32_t> trace_rays() { return ::trace_rays_comp; }
+std::span<const std::uint32_t> resolve_hits() { return ::resolve_hits_comp; }
 std::span<const std::uint32_t> shade_hits() { return ::shade_hits_comp; }
 std::span<const std::uint32_t> composite_frame() { return ::composite_frame_comp; }
 std::span<const std::uint32_t> show_debug() { return ::show_debug_comp; }

@@ -18,6 +18,7 @@ std::span<const std::uint32_t> size_dispatch();
 std::span<const std::uint32_t> march_screen();
 std::span<const std::uint32_t> trace_packets();
 std::span<const std::uint32_t> trace_rays();
+std::span<const std::uint32_t> resolve_hits();
 std::span<const std::uint32_t> shade_hits();
 std::span<const std::uint32_t> composite_frame();
 std::span<const std::uint32_t> show_debug();

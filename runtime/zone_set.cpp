@@ -34,6 +34,8 @@ Status ZoneSet::create(std::uint64_t capacity_words, std::uint32_t max_zones) {
   const std::uint64_t pages_words = (capacity_words + gpu::kPageAlignWords - 1) / gpu::kPageAlignWords * gpu::kPageAlignWords;
   const std::uint64_t top_words = std::uint64_t{top_level_node_bound(max_zones)} * gpu::kPageNodeWords;
   const VkDeviceSize bytes = (pages_words + top_words) * 4;
+  if (bytes / 4 > gpu::kPoolMaxWords)
+    return Error{ErrorCode::kUnsupported, "a page pool of " + std::to_string(bytes) + " bytes, more than hits can number"};
   if (bytes > limits.maxStorageBufferRange || bytes / 4 > limits.maxTexelBufferElements)
     return Error{ErrorCode::kDevice, "a page pool of " + std::to_string(bytes) + " bytes is more than " +
                                          device_.name() + " binds (storage " +

@@ -13,16 +13,14 @@ layout(set = 0, binding = kBindHits, std430) buffer Hits { HitRecord hits[]; };
 layout(set = 0, binding = kBindCounters, std430) buffer CounterBlock { Counters counters; };
 layout(set = 0, binding = kBindOutput, std430) buffer Output { uint output_rgba[]; };
 layout(set = 0, binding = kBindRayTexels4) uniform usamplerBuffer ray_texels4;
-layout(set = 0, binding = kBindRetries, std430) buffer Retries { uint retries[]; };
+layout(set = 0, binding = kBindRetries, std430) buffer Retries { Retry retries[]; };
 layout(set = 0, binding = kBindDepth) uniform sampler2D depth_image;
 layout(set = 0, binding = kBindSurface) uniform usampler2D surface_image;
 
 // A queued ray, by the path that pages are read by.
 RayTask load_ray(uint index) {
   if (kPoolPath != kPoolTexels) return rays[index];
-  const vec4 a = uintBitsToFloat(texelFetch(ray_texels4, int(3u * index)));
-  const vec4 b = uintBitsToFloat(texelFetch(ray_texels4, int(3u * index + 1u)));
-  const uvec4 c = texelFetch(ray_texels4, int(3u * index + 2u));
-  return RayTask(a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, uintBitsToFloat(c.x), uintBitsToFloat(c.y), uintBitsToFloat(c.z),
-                 c.w);
+  const vec4 a = uintBitsToFloat(texelFetch(ray_texels4, int(2u * index)));
+  const uvec4 b = texelFetch(ray_texels4, int(2u * index + 1u));
+  return RayTask(a.x, a.y, a.z, a.w, uintBitsToFloat(b.x), uintBitsToFloat(b.y), uintBitsToFloat(b.z), b.w);
 }

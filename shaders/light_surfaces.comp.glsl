@@ -25,8 +25,8 @@ void main() {
   if (dot(s.normal, frame.sun_direction.xyz) > 0.0) {
     const float start_m = 1e-3 + 1e-5 * s.distance_m;
     const TraceRay ray =
-        TraceRay(s.position + s.normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w, s.outward);
-    visibility = host_trace(ray, true).zone == kNoZone ? 1.0 : 0.0;
+        TraceRay(s.position + s.normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w, s.leaves);
+    visibility = host_trace(ray, true).triangle == kHitNone ? 1.0 : 0.0;
   }
   const Shading shading = shade_surface(materials[s.material], s.normal, s.view, visibility);
   lit[index] = pack_color(shading.diffuse, visibility);

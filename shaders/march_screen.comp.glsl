@@ -146,8 +146,8 @@ void main() {
   } else {
     const float start_m = 1e-3 + 1e-5 * s.distance_m;
     const vec3 origin = s.position + s.normal * start_m;
-    rays[atomicAdd(counters.ray_count, 1u)] =
-        RayTask(origin.x, origin.y, origin.z, march.t * 0.998, direction.x, direction.y, direction.z, frame.forward.w,
-                s.outward.x, s.outward.y, s.outward.z, index);
+    const uint ray = atomicAdd(counters.ray_count, 1u);
+    rays[ray] = RayTask(origin.x, origin.y, origin.z, march.t * 0.998, direction.x, direction.y, direction.z, s.leaves);
+    hits[ray].pixel = index;
   }
 }

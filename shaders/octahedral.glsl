@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Octahedral unit vectors (Cigolle et al. 2014, section 2), 16 bits a component.
+#ifndef ZC_SHADERS_OCTAHEDRAL
+#define ZC_SHADERS_OCTAHEDRAL
+
 uint pack_normal(vec3 n) {
   n /= abs(n.x) + abs(n.y) + abs(n.z);
   vec2 p = n.xy;
@@ -13,3 +16,5 @@ vec3 unpack_normal(uint bits) {
   if (n.z < 0.0) n.xy = (1.0 - abs(n.yx)) * vec2(n.x >= 0.0 ? 1.0 : -1.0, n.y >= 0.0 ? 1.0 : -1.0);
   return normalize(n);
 }
+
+#endif

@@ -47,6 +47,16 @@ vec3 PAGE_NAME(load_vertex)(uint vertex_word, ivec3 offset, int shift, uint v) {
   return vec3((ivec3(q) << shift) + offset);
 }
 
+void PAGE_NAME(fetch_corners)(PAGE_NAME(Cluster) cluster, uint index, out vec3 a, out vec3 b, out vec3 c,
+                              out uint material) {
+  const uint packed_triangle = PAGE_NAME(load)(cluster.triangle_word + index);
+  a = PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, packed_triangle & 0xFFu);
+  b = PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (packed_triangle >> 8) & 0xFFu);
+  c = PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (packed_triangle >> 16) & 0xFFu);
+  const uint place = packed_triangle >> 24;
+  material = (PAGE_NAME(load)(cluster.palette_word + (place >> 1)) >> (16u * (place & 1u))) & 0xFFFFu;
+}
+
 // The triangle at a position of a page, for who has no cluster at hand.
 void PAGE_NAME(fetch_triangle)(uint page_word, uint triangle, out vec3 a, out vec3 b, out vec3 c, out uint material) {
   uint low = page_word + PAGE_NAME(load)(page_word + 5u);  // the first entry of the cluster table
@@ -58,12 +68,7 @@ void PAGE_NAME(fetch_triangle)(uint page_word, uint triangle, out vec3 a, out ve
     count -= half_count;
   }
   const PAGE_NAME(Cluster) cluster = PAGE_NAME(load_cluster)(page_word + PAGE_NAME(load)(low + 1u));
-  const uint packed_triangle = PAGE_NAME(load)(cluster.triangle_word + triangle - cluster.first_triangle);
-  a = PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, packed_triangle & 0xFFu);
-  b = PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (packed_triangle >> 8) & 0xFFu);
-  c = PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (packed_triangle >> 16) & 0xFFu);
-  const uint place = packed_triangle >> 24;
-  material = (PAGE_NAME(load)(cluster.palette_word + (place >> 1)) >> (16u * (place & 1u))) & 0xFFFFu;
+  PAGE_NAME(fetch_corners)(cluster, triangle - cluster.first_triangle, a, b, c, material);
 }
 
 // The zone that a page belongs to; the zone table is sorted by page.

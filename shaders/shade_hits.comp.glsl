@@ -25,10 +25,10 @@ void main() {
   const vec3 direction = vec3(task.dir_x, task.dir_y, task.dir_z);
   vec3 color = sky_radiance(direction);
   uint source = kSourceSky;
-  if (hit.zone == kHitLost) {
+  if (hit.triangle == kHitLost) {
     source = kSourceLost;
     atomicAdd(counters.rays_lost, 1u);
-  } else if (hit.zone == kNoZone) {
+  } else if (hit.triangle == kHitNone) {
     atomicAdd(counters.rays_sky, 1u);
   } else {
     ZoneEntry zone;
@@ -37,11 +37,13 @@ void main() {
     vec3 c;
     uint material;
     if (kTraceHost != 0u) {
-      zone = host_zone_of_page(hit.zone);
-      host_fetch_triangle(hit.zone, hit.triangle, a, b, c, material);
+      const host_Cluster cluster = host_load_cluster(hit_cluster_word(hit.triangle));
+      zone = host_zone_of_page(cluster.page_word);
+      host_fetch_corners(cluster, hit_index(hit.triangle), a, b, c, material);
     } else {
-      zone = proxy_zone_of_page(hit.zone);
-      proxy_fetch_triangle(hit.zone, hit.triangle, a, b, c, material);
+      const proxy_Cluster cluster = proxy_load_cluster(hit_cluster_word(hit.triangle));
+      zone = proxy_zone_of_page(cluster.page_word);
+      proxy_fetch_corners(cluster, hit_index(hit.triangle), a, b, c, material);
     }
     const vec3 outward = normalize(cross(b - a, c - a));
     const vec3 normal = dot(outward, direction) > 0.0 ? -outward : outward;
@@ -50,9 +52,9 @@ void main() {
       const vec3 position = vec3(task.origin_x, task.origin_y, task.origin_z) + direction * hit.t;
       const float start_m = 2e-3 + 2e-5 * hit.t;
       const TraceRay ray =
-          TraceRay(position + normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w, outward);
-      const uint blocker = kTraceHost != 0u ? host_trace(ray, true).zone : proxy_trace(ray, true).zone;
-      visibility = blocker == kNoZone ? 1.0 : 0.0;
+          TraceRay(position + normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w, pack_normal(outward));
+      const uint blocker = kTraceHost != 0u ? host_trace(ray, true).triangle : proxy_trace(ray, true).triangle;
+      visibility = blocker == kHitNone ? 1.0 : 0.0;
     }
     color = shade_mirrored(materials[material], normal, direction, visibility, hit.t);
     if ((zone.flags & kZoneCoarse) != 0u) {
@@ -64,6 +66,6 @@ void main() {
     }
     source |= zone.node << kSourceBits;
   }
-  reflection[task.pixel] = pack_color(color, 0.0);
-  provenance[task.pixel] = source;
+  reflection[hit.pixel] = pack_color(color, 0.0);
+  provenance[hit.pixel] = source;
 }

@@ -7,6 +7,8 @@
 
 layout(local_size_x = 1) in;
 
+#include "packet.glsl"
+
 const uint kRow = 65535u;
 
 layout(constant_id = 4) const int kRaysPerLane = 4;
@@ -30,7 +32,7 @@ void main() {
   counters.packet_groups_x = packets.x;
   counters.packet_groups_y = packets.y;
   counters.packet_groups_z = packets.z;
-  const uvec3 retries = groups_of(kRaysPerLane > 0 ? counters.retry_count : counters.ray_count);
+  const uvec3 retries = groups_of(kRaysPerLane > 0 ? counters.retry_count * kTeam * rays_per_lane : counters.ray_count);
   counters.retry_groups_x = retries.x;
   counters.retry_groups_y = retries.y;
   counters.retry_groups_z = retries.z;

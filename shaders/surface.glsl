@@ -14,6 +14,7 @@ struct Surface {
   vec3 position;  // metres, relative to camera_lattice
   vec3 normal;    // unit, towards the viewer
   vec3 outward;   // unit, as the model winds the face
+  uint leaves;    // the same, packed
   vec3 view;      // unit, from the eye to the surface
   float distance_m;  // along the view axis
   uint material;
@@ -28,6 +29,7 @@ Surface load_surface(ivec2 pixel) {
   s.distance_m = frame.eye.w / max(depth, 1e-12);
   s.position = frame.eye.xyz + direction * s.distance_m;
   const uvec2 packed_surface = texelFetch(surface_image, pixel, 0).xy;
+  s.leaves = packed_surface.x;
   s.outward = unpack_normal(packed_surface.x);
   s.normal = dot(s.outward, s.view) > 0.0 ? -s.outward : s.outward;
   s.material = packed_surface.y;

@@ -5,13 +5,8 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 
-const uint kTeam = 8u;
+#include "packet.glsl"
 
-// What makes a packet; see traverse_packet.glsl.
-const float kGroupCosine = 0.99;
-const uint kGroupLeast = 3u;
-const uint kPacketBudget = 160u;
-const float kNever = 1e30;
 
 uint team_lane;   // 0..7
 uint team_first;  // the subgroup invocation of lane 0
@@ -56,10 +51,3 @@ uint team_or(uint v) {
 }
 // Bit per lane.
 uint team_ballot(bool b) { return team_or(b ? 1u << team_lane : 0u); }
-
-// Rays of one packet leave one plane along one axis: what must agree, in one word.
-uint packet_key(vec3 plane, Shear shear) {
-  const uvec3 bits = floatBitsToUint(plane);
-  const uint mixed = (bits.x * 73856093u ^ bits.y * 19349663u ^ bits.z * 83492791u) * 2654435761u;
-  return (mixed & 0x7FFFFFF8u) | uint(shear.longest) << 1 | (shear.scale.z < 0.0 ? 1u : 0u);
-}

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of tracing that does not depend on which set of zones is traced.
 
+#include "octahedral.glsl"
+
 layout(constant_id = 0) const int kStackSize = 32;  // from the data: deepest page + deepest top level
 
 // Nodes a ray may visit; a heavy ray of a city takes some fifty. With up to 32 triangles a node this stays below the 65,535
@@ -12,8 +14,17 @@ struct TraceRay {
   float t_min;
   vec3 direction;  // unit
   float t_max;
-  vec3 plane;  // normal, as the model winds it, of the surface that the ray leaves; or zero
+  uint leaves;  // as in RayTask
 };
+
+struct TraceHit {
+  float t;        // metres
+  uint triangle;  // as in HitRecord
+};
+
+uint hit_at(uint cluster_word, uint index) { return cluster_word << (kHitIndexBits - 2u) | index; }
+uint hit_cluster_word(uint hit) { return (hit >> kHitIndexBits) << 2; }
+uint hit_index(uint hit) { return hit & ((1u << kHitIndexBits) - 1u); }
 
 // A finite reciprocal that keeps the sign of zero, so that the slab test never meets 0 * inf.
 vec3 safe_reciprocal(vec3 d) {
@@ -141,6 +152,9 @@ Triangle make_triangle(vec3 a, vec3 b, vec3 c) {
   precise float z1 = ab.y * ac.x;
   return Triangle(a, b, c, vec3(x0 - x1, y0 - y1, z0 - z1), min(min(a.z, b.z), c.z), max(max(a.z, b.z), c.z));
 }
+
+// The axis and which way along it, in three bits.
+uint axis_code(Shear s) { return uint(s.longest) << 1 | (s.scale.z < 0.0 ? 1u : 0u); }
 
 // Watertight ray/triangle test (Woop et al. 2013, section 3.2), both sides; triangle and origin are permuted. An edge
 // function of exactly zero counts as inside for both neighbours: no ray slips between. The distance is not theirs,

@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "bindings.glsl"
 #include "trace.glsl"
+#include "packet.glsl"
 layout(constant_id = 2) const uint kTraceHost = 0u;
 layout(constant_id = 4) const int kRaysPerLane = 4;  // 0: there were no packets
 
@@ -19,15 +20,27 @@ layout(local_size_x = 64) in;
 
 void main() {
   uint i = list_index();
-  if (i >= (kRaysPerLane > 0 ? counters.retry_count : counters.ray_count)) return;
-  if (kRaysPerLane > 0) i = retries[i];
-  const RayTask task = load_ray(i);
-  const TraceRay ray =
-      TraceRay(vec3(task.origin_x, task.origin_y, task.origin_z), task.t_min, vec3(task.dir_x, task.dir_y, task.dir_z),
-               task.t_max, vec3(task.plane_x, task.plane_y, task.plane_z));
-  if (kTraceHost != 0u) {
-    hits[i] = host_trace(ray, false);
-  } else {
-    hits[i] = proxy_trace(ray, false);
+  if (kRaysPerLane > 0) {
+    const uint packet = kTeam * uint(kRaysPerLane);
+    const uint place = i % packet;
+    if (i / packet >= counters.retry_count) return;
+    const Retry retry = retries[i / packet];
+    const uint lane = place % kTeam;
+    const uint mask = lane < 4u ? retry.mask_low : retry.mask_high;
+    if ((mask >> (8u * (lane & 3u) + place / kTeam) & 1u) == 0u) return;
+    i = retry.first_ray + place;
+  } else if (i >= counters.ray_count) {
+    return;
   }
+  const RayTask task = load_ray(i);
+  const TraceRay ray = TraceRay(vec3(task.origin_x, task.origin_y, task.origin_z), task.t_min,
+                                vec3(task.dir_x, task.dir_y, task.dir_z), frame.forward.w, task.leaves);
+  TraceHit hit;
+  if (kTraceHost != 0u) {
+    hit = host_trace(ray, false);
+  } else {
+    hit = proxy_trace(ray, false);
+  }
+  hits[i].t = hit.t;
+  hits[i].triangle = hit.triangle;
 }

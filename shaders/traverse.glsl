@@ -7,30 +7,22 @@
 
 #include "page_fetch.glsl"
 
-HitRecord PAGE_NAME(make_hit)(float t, uint triangle_word, uint cluster_word) {
-  if (triangle_word == kNoZone) return HitRecord(0.0, kNoZone, 0u, 0u);
-  const uvec4 tail = PAGE_NAME(load4)(cluster_word + 4u);
-  return HitRecord(t * frame.sun_radiance.w, cluster_word - tail.y,
-                   tail.z + triangle_word - cluster_word - kClusterHeaderWords, 0u);
-}
-
 // any: stop at the first hit. A ray that reaches the step bound comes back as kHitLost.
-HitRecord PAGE_NAME(trace)(TraceRay ray, bool any) {
+TraceHit PAGE_NAME(trace)(TraceRay ray, bool any) {
   const float step_m = frame.sun_radiance.w;
   const float per_m = 1.0 / step_m;
   const vec3 origin = ray.origin * per_m;
   const vec3 reciprocal = safe_reciprocal(ray.direction);
   const Shear shear = make_shear(ray.direction);
   const vec3 sheared_origin = permute(origin, shear.longest);
-  const bool leaves_surface = dot(ray.plane, ray.plane) > 0.0;
-  const vec3 sheared_plane = permute(ray.plane, shear.longest);
+  const bool leaves_surface = ray.leaves != kNoSurface;
+  const vec3 sheared_plane = permute(unpack_normal(ray.leaves), shear.longest);
   const float climb = climb_of(shear.scale, sheared_plane);
   const uint octant = direction_octant(ray.direction);
   const bvec3 backward = lessThan(ray.direction, vec3(0.0));
   const float t_min = ray.t_min * per_m;
   float t_max = ray.t_max * per_m;
-  uint best = kNoZone;  // the triangle's word
-  uint best_cluster = 0u;
+  uint best = kHitNone;
 
   uvec2 stack[kStackSize];
   int sp = 0;
@@ -74,10 +66,11 @@ HitRecord PAGE_NAME(trace)(TraceRay ray, bool any) {
     }
     if (triangles != 0u) {
       const PAGE_NAME(Cluster) cluster = PAGE_NAME(load_cluster)(cluster_word);
+      const uint first = triangle_word - cluster.triangle_word;
       const float own_height_m = cluster.error_m + 2.0 * step_m;
       for (; triangles != 0u; triangles &= triangles - 1u) {
-        const uint word = triangle_word + uint(findLSB(triangles));
-        const uint corners = PAGE_NAME(load)(word);
+        const uint index = first + uint(findLSB(triangles));
+        const uint corners = PAGE_NAME(load)(cluster.triangle_word + index);
         const vec3 a = permute(PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, corners & 0xFFu),
                                shear.longest);
         const vec3 b = permute(
@@ -91,10 +84,10 @@ HitRecord PAGE_NAME(trace)(TraceRay ray, bool any) {
         const bool met = hit_triangle(shape, sheared_origin, shear.scale, t);
         const bool own = leaves_surface && winds_with(shape.normal, sheared_plane) && t * climb * step_m <= own_height_m;
         // Of triangles at the same distance the first in the pool wins, in whatever order they are met.
-        if (met && t >= t_min && (t < t_max || (t == t_max && word < best)) && !own) {
+        const uint hit = hit_at(cluster_word, index);
+        if (met && t >= t_min && (t < t_max || (t == t_max && hit < best)) && !own) {
           t_max = t;
-          best = word;
-          best_cluster = cluster_word;
+          best = hit;
           if (any) {
             done = true;
             triangles = 0u;
@@ -104,6 +97,5 @@ HitRecord PAGE_NAME(trace)(TraceRay ray, bool any) {
       }
     }
   }
-  if (!done) return HitRecord(0.0, kHitLost, 0u, 0u);
-  return PAGE_NAME(make_hit)(t_max, best, best_cluster);
+  return TraceHit(t_max * step_m, done ? best : kHitLost);
 }

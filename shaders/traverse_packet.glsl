@@ -17,11 +17,12 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
   vec3 scale[kRaysPerLane];
   float t_min[kRaysPerLane];
   float climb[kRaysPerLane];
-  float t_max[kRaysPerLane];  // of the nearest hit, once there is one
+  float t_max[kRaysPerLane];  // of the nearest hit, once there is one; negative while the ray is not in the group at hand
   uint best[kRaysPerLane];
-  uint best_cluster[kRaysPerLane];
-  uint key[kRaysPerLane];  // of the plane and the axis; kDone: nothing left to do
-  const uint kDone = 0xFFFFFFFFu;
+  uint leaves[kRaysPerLane];
+  uint axes = 0u;   // four bits a ray: the axis and which way along it
+  uint left = 0u;   // bit per ray of this lane: still to be traced
+  uint again = 0u;  // bit per ray: to be given back
 
   for (int r = 0; r < kRaysPerLane; ++r) {
     const uint index = first_ray + kTeam * uint(r) + team_lane;
@@ -31,43 +32,41 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
     origin[r] = permute(vec3(task.origin_x, task.origin_y, task.origin_z) * per_m, shear.longest);
     scale[r] = shear.scale;
     t_min[r] = task.t_min * per_m;
-    t_max[r] = task.t_max * per_m;
+    t_max[r] = -frame.forward.w * per_m;
     climb[r] = 0.0;
-    best[r] = kNoZone;
-    best_cluster[r] = 0u;
-    key[r] = there ? packet_key(vec3(task.plane_x, task.plane_y, task.plane_z), shear) : kDone;
+    best[r] = kHitNone;
+    leaves[r] = task.leaves;
+    axes |= axis_code(shear) << (4 * r);
+    left |= there ? 1u << r : 0u;
   }
 
   for (uint round = 0u; round < kTeam * uint(kRaysPerLane); ++round) {
     // The leader: the first ray that is left.
-    uint lead_ray = 0xFFFFFFFFu;
-    for (int r = 0; r < kRaysPerLane; ++r)
-      lead_ray = min(lead_ray, key[r] != kDone ? uint(r) * kTeam + team_lane : 0xFFFFFFFFu);
-    lead_ray = team_min(lead_ray);
+    const uint lead_ray = team_min(left != 0u ? uint(findLSB(left)) * kTeam + team_lane : 0xFFFFFFFFu);
     if (lead_ray == 0xFFFFFFFFu) break;
     const RayTask lead = load_ray(first_ray + lead_ray);
     const vec3 lead_direction = vec3(lead.dir_x, lead.dir_y, lead.dir_z);
-    const vec3 plane = vec3(lead.plane_x, lead.plane_y, lead.plane_z);
-    const bool leaves_surface = dot(plane, plane) > 0.0;
+    const bool leaves_surface = lead.leaves != kNoSurface;
     const Shear lead_shear = make_shear(lead_direction);
     const int longest = lead_shear.longest;
-    const uint lead_key = packet_key(plane, lead_shear);
+    const uint lead_code = axis_code(lead_shear);
     const vec3 lead_axis = permute(lead_direction, longest);
     const float forward = lead_axis.z < 0.0 ? -1.0 : 1.0;
     const uint octant = direction_octant(lead_direction);
-    const vec3 lead_plane = permute(plane, longest);
+    const vec3 lead_plane = permute(unpack_normal(lead.leaves), longest);
 
     // Who comes along; the packet's frustum. Along the axis it begins at the first origin: z counts from there, forward.
     uint members = 0u;  // bit per ray of this lane
     float start = kNever;
     for (int r = 0; r < kRaysPerLane; ++r) {
-      const bool joins = key[r] == lead_key &&
+      const bool joins = (left >> r & 1u) != 0u && leaves[r] == lead.leaves && (axes >> (4 * r) & 7u) == lead_code &&
                          dot(vec3(scale[r].xy, 1.0), lead_axis) / scale[r].z > kGroupCosine;
       members |= joins ? 1u << r : 0u;
       climb[r] = joins ? climb_of(scale[r], lead_plane) : climb[r];
-      key[r] = joins ? kDone : key[r];
+      t_max[r] = joins ? -t_max[r] : t_max[r];
       start = min(start, joins ? (origin[r].z + t_min[r] / scale[r].z) * forward : kNever);
     }
+    left &= ~members;
     start = team_min(start);
     start -= abs(start) * 1e-6;
     Beam beam = empty_beam(start, forward);
@@ -138,7 +137,7 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
       const float own_height_m = cluster.error_m + 2.0 * step_m;
       do {
         uint first;  // of the eight triangles at hand
-        uint left;   // bit per lane: its triangle is still to be tested
+        uint met;    // bit per lane: its triangle is still to be tested
         uint own;
         Triangle shape;
         do {
@@ -156,43 +155,47 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
               PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (corners >> 16) & 0xFFu),
               longest);
           shape = make_triangle(a, b, c);
-          left = team_ballot(candidate && beam_meets_triangle(beam, shape));
+          met = team_ballot(candidate && beam_meets_triangle(beam, shape));
           own = leaves_surface && winds_with(shape.normal, lead_plane) ? 1u : 0u;
-        } while (left == 0u && triangles != 0u);
+        } while (met == 0u && triangles != 0u);
         do {
-          const uint lane = uint(findLSB(left));
-          const uint word = triangle_word + first + lane;
+          const uint lane = uint(findLSB(met));
+          const uint hit = hit_at(cluster_word, triangle_word - cluster.triangle_word + first + lane);
           const Triangle one =
               Triangle(from_lane(shape.a, lane), from_lane(shape.b, lane), from_lane(shape.c, lane),
                        from_lane(shape.normal, lane), from_lane(shape.z_low, lane), from_lane(shape.z_high, lane));
           const bool is_own = from_lane(own, lane) != 0u;
           for (int r = 0; r < kRaysPerLane; ++r) {
             float t;
-            const bool met = hit_triangle(one, origin[r], scale[r], t);
-            const bool take = met && (members >> r & 1u) != 0u && t >= t_min[r] &&
-                              (t < t_max[r] || (t == t_max[r] && word < best[r])) &&
+            const bool inside = hit_triangle(one, origin[r], scale[r], t);
+            const bool take = inside && t >= t_min[r] && (t < t_max[r] || (t == t_max[r] && hit < best[r])) &&
                               !(is_own && t * climb[r] * step_m <= own_height_m);
             t_max[r] = take ? t : t_max[r];
-            best[r] = take ? word : best[r];
-            best_cluster[r] = take ? cluster_word : best_cluster[r];
+            best[r] = take ? hit : best[r];
           }
-          left &= left - 1u;
-        } while (left != 0u);
+          met &= met - 1u;
+        } while (met != 0u);
       } while (triangles != 0u);
       float last = -kNever;
       for (int r = 0; r < kRaysPerLane; ++r)
-        last = max(last, (members >> r & 1u) != 0u ? reach_of(beam, origin[r], scale[r], t_max[r]) : -kNever);
+        last = max(last, t_max[r] >= 0.0 ? reach_of(beam, origin[r], scale[r], t_max[r]) : -kNever);
       beam.z_last = team_max(last) * 1.000002;
     }
 
-    for (int r = 0; r < kRaysPerLane; ++r) {
-      if ((members >> r & 1u) == 0u) continue;
-      const uint index = first_ray + kTeam * uint(r) + team_lane;
-      if (!finished) {
-        retries[atomicAdd(counters.retry_count, 1u)] = index;
-      } else {
-        hits[index] = PAGE_NAME(make_hit)(t_max[r], best[r], best_cluster[r]);
-      }
+    again |= finished ? 0u : members;
+    for (int r = 0; r < kRaysPerLane; ++r) t_max[r] = -abs(t_max[r]);
+  }
+
+  for (int r = 0; r < kRaysPerLane; ++r) {
+    const uint index = first_ray + kTeam * uint(r) + team_lane;
+    if (index < counters.ray_count) {
+      hits[index].t = -t_max[r] * step_m;
+      hits[index].triangle = best[r];
     }
   }
+  const uint byte_of_lane = again << (8u * (team_lane & 3u));
+  const uint mask_low = team_or(team_lane < 4u ? byte_of_lane : 0u);
+  const uint mask_high = team_or(team_lane < 4u ? 0u : byte_of_lane);
+  if (team_lane == 0u && (mask_low | mask_high) != 0u)
+    retries[atomicAdd(counters.retry_count, 1u)] = Retry(first_ray, mask_low, mask_high);
 }

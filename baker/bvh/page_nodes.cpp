@@ -69,8 +69,8 @@ class Layout {
     return world;
   }
 
-  // All of a node's triangles go into one cluster: a new one when the present one has no room for their vertices or
-  // materials.
+  // All of a node's triangles go into one cluster: a new one when the present one has no room for them, their vertices or
+  // their materials.
   void append(std::span<const BvhReference> references) {
     if (!try_add(references)) {
       out_.clusters.push_back(static_cast<std::uint32_t>(out_.order.size()));
@@ -82,6 +82,7 @@ class Layout {
   }
 
   bool try_add(std::span<const BvhReference> references) {
+    if (out_.order.size() - out_.clusters.back() + references.size() > gpu::kClusterMaxTriangles) return false;
     for (const BvhReference& r : references) {
       if (!materials_.add(mesh_.materials[r.triangle])) return false;
       for (const std::uint32_t v : mesh_.triangles[r.triangle])

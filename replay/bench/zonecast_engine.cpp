@@ -128,21 +128,22 @@ class ZonecastEngine final : public TraceEngine {
     }
     RenderCamera camera;
     camera.step_m = scene_->step_m;
+    camera.ray_length_m = kFarthestM;
     std::vector<gpu::RayTask> tasks(rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const BenchRay& r = rays[i];
-      tasks[i] = {r.ox, r.oy, r.oz, 0, r.dx, r.dy, r.dz, kFarthestM, 0, 0, 0, static_cast<std::uint32_t>(i)};
+      tasks[i] = {r.ox, r.oy, r.oz, 0, r.dx, r.dy, r.dz, gpu::kNoSurface};
     }
     double milliseconds = 0;
-    ZC_ASSIGN(const std::vector<gpu::HitRecord> records, renderer_->trace(camera, tasks, false, &milliseconds));
+    ZC_ASSIGN(const std::vector<TracedHit> records, renderer_->trace(camera, tasks, false, &milliseconds));
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      const gpu::HitRecord& record = records[i];
-      if (record.zone == gpu::kHitLost) return Error{ErrorCode::kDevice, "ray " + std::to_string(i) + " was lost"};
+      const TracedHit& hit = records[i];
+      if (hit.page_word == gpu::kHitLost) return Error{ErrorCode::kDevice, "ray " + std::to_string(i) + " was lost"};
       hits[i] = {};
-      if (record.zone == gpu::kNoZone) continue;
-      const auto zone = std::ranges::lower_bound(entries_, record.zone, {}, &gpu::ZoneEntry::page_word);
-      ZC_CHECK(zone != entries_.end() && zone->page_word == record.zone);
-      hits[i] = {record.t, scene_->zones[zone->node].first + order_[zone->node].at(record.triangle)};
+      if (hit.page_word == gpu::kHitNone) continue;
+      const auto zone = std::ranges::lower_bound(entries_, hit.page_word, {}, &gpu::ZoneEntry::page_word);
+      ZC_CHECK(zone != entries_.end() && zone->page_word == hit.page_word);
+      hits[i] = {hit.t, scene_->zones[zone->node].first + order_[zone->node].at(hit.triangle)};
     }
     return milliseconds;
   }

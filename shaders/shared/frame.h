@@ -50,7 +50,7 @@ ZC_CONST(uint, kBindProxyTexels4, 20u);
 ZC_CONST(uint, kBindHostTexels, 21u);
 ZC_CONST(uint, kBindHostTexels4, 22u);
 ZC_CONST(uint, kBindRayTexels4, 23u);  // the ray queue, as texels of four words
-ZC_CONST(uint, kBindRetries, 24u);  // uint: rays that packets gave back
+ZC_CONST(uint, kBindRetries, 24u);    // Retry
 
 ZC_CONST(uint, kHizLevels, 12u);
 
@@ -72,6 +72,7 @@ struct FrameData {
   uvec4 hiz_offset[kHizLevels];  // x = first float, y = width, z = height
 };
 
+// Small, because a packet reads sixty-four: the pixel that a ray is for waits in its HitRecord, and all are equally long.
 struct RayTask {
   float origin_x;  // metres, relative to camera_lattice
   float origin_y;
@@ -80,21 +81,26 @@ struct RayTask {
   float dir_x;  // unit
   float dir_y;
   float dir_z;
-  float t_max;
-  float plane_x;  // normal, as wound, of the surface that the ray leaves; zero: no surface, every hit counts
-  float plane_y;
-  float plane_z;
-  uint pixel;
+  uint leaves;  // normal, as wound, of the surface that the ray leaves (octahedral.glsl), or kNoSurface: every hit counts
 };
+ZC_CONST(uint, kNoSurface, 0x80008000u);  // no normal is packed so
 
-ZC_CONST(uint, kNoZone, 0xFFFFFFFFu);
+// A triangle in the pool: its cluster's first word over 4, from bit kHitIndexBits on, and its place in the cluster.
+ZC_CONST(uint, kHitIndexBits, 9u);
+ZC_CONST(uint, kHitNone, 0xFFFFFFFFu);
 ZC_CONST(uint, kHitLost, 0xFFFFFFFEu);  // the traversal's bound was reached: never expected, always counted
 
 struct HitRecord {
-  float t;        // metres; 0 where nothing was hit
-  uint zone;      // its page's first word in the pool, or kNoZone / kHitLost
-  uint triangle;  // position in that page
-  uint reserved;
+  float t;        // metres; undefined where nothing was hit
+  uint triangle;  // in the pool, or kHitNone / kHitLost
+  uint pixel;     // that asked
+};
+
+// Rays that a packet gave back: bit 8 * (lane % 4) + r of mask lane / 4 stands for ray first_ray + 8 * r + lane.
+struct Retry {
+  uint first_ray;
+  uint mask_low;
+  uint mask_high;
 };
 
 struct Counters {
@@ -143,8 +149,9 @@ ZC_CONST(uint, kDebugDepth, 3u);
 ZC_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(zc::gpu::RayTask) == 48);
-static_assert(sizeof(zc::gpu::HitRecord) == 16);
+static_assert(sizeof(zc::gpu::RayTask) == 32);
+static_assert(sizeof(zc::gpu::HitRecord) == 12);
+static_assert(sizeof(zc::gpu::Retry) == 12);
 static_assert(sizeof(zc::gpu::Counters) == 80);
 static_assert(sizeof(zc::gpu::FrameData) == 64 + 9 * 16 + 16 * zc::gpu::kHizLevels);
 #endif

@@ -127,7 +127,7 @@ class PageAssembly {
     header.origin_x = node_.origin[0];
     header.origin_y = node_.origin[1];
     header.origin_z = node_.origin[2];
-    if (end - first >= 1U << 18U) return fault("a cluster has too many triangles");
+    if (end - first > gpu::kClusterMaxTriangles) return fault("a cluster has too many triangles");
     header.counts = static_cast<std::uint32_t>(vertices_.vertices().size()) |
                     static_cast<std::uint32_t>(end - first) << 9 | node_.step_shift << 27;
     header.error_m = node_.error_max_m;

@@ -87,7 +87,7 @@ std::vector<gpu::RayTask> make_rays(const glm::dvec3& half) {
     gpu::RayTask& ray = rays[i];
     ray.origin_x = o.x, ray.origin_y = o.y, ray.origin_z = o.z;
     ray.dir_x = d.x, ray.dir_y = d.y, ray.dir_z = d.z;
-    ray.t_max = 1e6F;
+    ray.leaves = gpu::kNoSurface;
   }
   return rays;
 }
@@ -148,7 +148,7 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
   }
 
   // Every way that the kernels can be specialised finds the same.
-  std::vector<gpu::HitRecord> first_hits;
+  std::vector<TracedHit> first_hits;
   for (const std::uint32_t path : {gpu::kPoolStorage, gpu::kPoolTexels}) {
     for (const std::uint32_t rays_per_lane : {0U, 2U, 4U, 8U}) {
       SCOPED_TRACE("path " + std::to_string(path) + ", " + std::to_string(rays_per_lane) + " rays a lane");
@@ -161,14 +161,14 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
       ASSERT_TRUE(hits.ok()) << hits.error().describe();
       Verdict sum;
       for (std::size_t i = 0; i < rays.size(); ++i) {
-        const gpu::HitRecord& hit = (*hits)[i];
-        ASSERT_NE(hit.zone, gpu::kHitLost) << "ray " << i;
-        if (hit.zone == gpu::kNoZone || expected[i] == nullptr) {
-          (hit.zone == gpu::kNoZone && expected[i] == nullptr) ? ++sum.missed_by_both : ++sum.wrong;
+        const TracedHit& hit = (*hits)[i];
+        ASSERT_NE(hit.page_word, gpu::kHitLost) << "ray " << i;
+        if (hit.page_word == gpu::kHitNone || expected[i] == nullptr) {
+          (hit.page_word == gpu::kHitNone && expected[i] == nullptr) ? ++sum.missed_by_both : ++sum.wrong;
           continue;
         }
-        ASSERT_TRUE(first_of_page.contains(hit.zone)) << "ray " << i;
-        const OracleTriangle& met = triangles[first_of_page[hit.zone] + hit.triangle];
+        ASSERT_TRUE(first_of_page.contains(hit.page_word)) << "ray " << i;
+        const OracleTriangle& met = triangles[first_of_page[hit.page_word] + hit.triangle];
         const double tolerance = 1e-4 * std::max(1.0, nearest[i]);
         const bool in_place = std::abs(static_cast<double>(hit.t) - nearest[i]) <= tolerance &&
                               std::abs(intersect_ray(i, met) - nearest[i]) <= tolerance;
@@ -179,7 +179,7 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
       EXPECT_GT(sum.same, kRays / 4);
       EXPECT_LT(sum.tied, kRays / 100);
       if (first_hits.empty()) first_hits = *hits;
-      EXPECT_EQ(std::memcmp(first_hits.data(), hits->data(), hits->size() * sizeof(gpu::HitRecord)), 0);
+      EXPECT_EQ(std::memcmp(first_hits.data(), hits->data(), hits->size() * sizeof(TracedHit)), 0);
       std::printf("path %u, %u a lane, %zu triangles: %zu same, %zu tied, %zu missed by both, %.1f ms on %s\n", path,
                   rays_per_lane, triangles.size(), sum.same, sum.tied, sum.missed_by_both, milliseconds,
                   world.device().name().c_str());

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// What makes a packet; see traverse_packet.glsl.
+#ifndef ZC_SHADERS_PACKET
+#define ZC_SHADERS_PACKET
+
+const uint kTeam = 8u;            // invocations that work on one
+const float kGroupCosine = 0.99;  // between the directions of rays that go together
+const uint kGroupLeast = 3u;      // rays
+const uint kPacketBudget = 160u;  // nodes and batches of triangles
+const float kNever = 1e30;
+
+#endif
