@@ -38,6 +38,7 @@ struct RendererOptions {
   std::uint32_t max_zones = 1;                    // most zones ever resident in one set
   std::uint32_t pool_path = gpu::kPoolTexels;     // or kPoolStorage: how shaders read pages
   std::uint32_t rays_per_lane = 4;                // packets of eight times as many rays; 0: rays one by one
+  bool check_access = false;                      // count reads outside the traced pages, and divert them: for tests
 };
 
 struct RenderCamera {
@@ -83,6 +84,8 @@ class Renderer {
   // benchmarks. At most width × height rays at a time.
   Result<std::vector<gpu::HitRecord>> trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays, bool host,
                                             double* milliseconds = nullptr);
+  // What the last trace() or render() counted.
+  [[nodiscard]] gpu::Counters counters() const;
 
  private:
   Renderer(Device& device, const ZoneSet& proxies, const ZoneSet& host, const RendererOptions& options)

@@ -119,6 +119,7 @@ Status ZoneSet::set_zones(std::span<const gpu::ZoneEntry> zones) {
   const TopLevel top = build_top_level(pages, root_word_);
   zone_count_ = static_cast<std::uint32_t>(zones.size());
   top_depth_ = top.depth;
+  end_word_ = root_word_ + static_cast<std::uint32_t>(top.nodes.size()) * gpu::kPageNodeWords;
   ZC_TRY(write(zones_, 0, std::as_bytes(zones)));
   return write(pool_, std::uint64_t{root_word_} * 4, std::as_bytes(std::span(top.nodes)));
 }

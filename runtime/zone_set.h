@@ -40,6 +40,8 @@ class ZoneSet {
   [[nodiscard]] std::uint32_t top_depth() const { return top_depth_; }
   // The top level's root, in words of the pool.
   [[nodiscard]] std::uint32_t root_word() const { return root_word_; }
+  // The first word behind the top level.
+  [[nodiscard]] std::uint32_t end_word() const { return end_word_; }
 
  private:
   Status write(const Buffer& target, std::uint64_t offset_bytes, std::span<const std::byte> bytes);
@@ -54,6 +56,7 @@ class ZoneSet {
   std::map<std::uint64_t, PageRoot> roots_;  // by page word
   std::vector<std::uint32_t> triangle_counts_;
   std::uint32_t root_word_ = 0;
+  std::uint32_t end_word_ = 0;
   std::uint32_t zone_count_ = 0;
   std::uint32_t top_depth_ = 1;
 };

@@ -69,6 +69,7 @@ struct FrameData {
   ivec4 camera_lattice;          // lattice position all positions are relative to
   uvec4 size;                    // width, height, hiz levels, SSR step limit
   uvec4 sets;                    // proxies: root node's word in the pool, zones; host: the same
+  uvec4 set_ends;                // first words behind the top levels: proxies, host
   uvec4 hiz_offset[kHizLevels];  // x = first float, y = width, z = height
 };
 
@@ -118,6 +119,7 @@ struct Counters {
   uint retry_groups_x;  // and of the rays that packets gave back
   uint retry_groups_y;
   uint retry_groups_z;
+  uint out_of_page;  // words asked for outside the pages and the top level; counted only with kCheckAccess
 };
 
 // Where a pixel's reflected colour came from; the zone's node index lies above kSourceBits.
@@ -145,8 +147,8 @@ ZC_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(zc::gpu::RayTask) == 48);
 static_assert(sizeof(zc::gpu::HitRecord) == 16);
-static_assert(sizeof(zc::gpu::Counters) == 80);
-static_assert(sizeof(zc::gpu::FrameData) == 64 + 9 * 16 + 16 * zc::gpu::kHizLevels);
+static_assert(sizeof(zc::gpu::Counters) == 84);
+static_assert(sizeof(zc::gpu::FrameData) == 64 + 10 * 16 + 16 * zc::gpu::kHizLevels);
 #endif
 
 #endif

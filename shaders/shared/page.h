@@ -21,6 +21,7 @@ ZC_SHARED_BEGIN
 ZC_CONST(uint, kPageMagic, 0x3247505Au);  // "ZPG2"
 ZC_CONST(uint, kPageHeaderWords, 16u);
 ZC_CONST(uint, kPageNodeWords, 20u);
+ZC_CONST(uint, kPageTotalWord, 9u);  // where a header has its total_words
 ZC_CONST(uint, kClusterHeaderWords, 8u);
 ZC_CONST(uint, kClusterEntryWords, 2u);
 ZC_CONST(uint, kPageAlignWords, 4u);  // of pages in the pool, and of nodes and clusters in a page: one 16-byte load
@@ -100,6 +101,7 @@ ZC_SHARED_END
 
 #ifdef __cplusplus
 static_assert(sizeof(zc::gpu::PageHeader) == 4 * zc::gpu::kPageHeaderWords);
+static_assert(offsetof(zc::gpu::PageHeader, total_words) == 4 * zc::gpu::kPageTotalWord);
 static_assert(sizeof(zc::gpu::PageNode) == 4 * zc::gpu::kPageNodeWords);
 static_assert(sizeof(zc::gpu::ClusterHeader) == 4 * zc::gpu::kClusterHeaderWords);
 static_assert(sizeof(zc::gpu::ClusterEntry) == 4 * zc::gpu::kClusterEntryWords);

@@ -49,12 +49,12 @@ const std::map<std::string, Layout>& host_layouts() {
          AT(Counters, rays_proxy_coarse), AT(Counters, rays_sky), AT(Counters, rays_lost),
          AT(Counters, retry_count), AT(Counters, packet_groups_x), AT(Counters, packet_groups_y),
          AT(Counters, packet_groups_z), AT(Counters, retry_groups_x), AT(Counters, retry_groups_y),
-         AT(Counters, retry_groups_z)}}},
+         AT(Counters, retry_groups_z), AT(Counters, out_of_page)}}},
       {"FrameData",
        {sizeof(zc::gpu::FrameData),
         {AT(FrameData, view_projection), AT(FrameData, eye), AT(FrameData, right), AT(FrameData, up),
          AT(FrameData, forward), AT(FrameData, sun_direction), AT(FrameData, sun_radiance),
-         AT(FrameData, camera_lattice), AT(FrameData, size), AT(FrameData, sets), AT(FrameData, hiz_offset)}}}};
+         AT(FrameData, camera_lattice), AT(FrameData, size), AT(FrameData, sets), AT(FrameData, set_ends), AT(FrameData, hiz_offset)}}}};
   return layouts;
 }
 
