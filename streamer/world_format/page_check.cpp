@@ -130,6 +130,7 @@ class PageCheck {
       if ((leaves >> slot & 1U) != 0 ? count == 0 || count > gpu::kLeafMaxTriangles : count != 0)
         return fault("a leaf's size is out of range", word + 6);
       triangles += count;
+      if (used && !on_lattice(child_box(node, slot))) return fault("a box leaves the lattice", word + 3);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::uint32_t low = planes[2 * axis + slot / 4] >> (8 * (slot & 3U)) & 0xFFU;
         const std::uint32_t high = planes[6 + 2 * axis + slot / 4] >> (8 * (slot & 3U)) & 0xFFU;
@@ -193,6 +194,7 @@ class PageCheck {
         position_seen_[position] = true;
         ++positions;
         const WideNodeBox content = bounds(cluster, page_[first_word + position - first], vertices);
+        if (!on_lattice(content)) return fault("a triangle leaves the lattice", first_word + position - first);
         if ((header_.flags & gpu::kPageSplitTriangles) != 0 ? !overlaps(box, content) : !contains(box, content))
           return fault("a box does not contain its triangles", word);
       }
@@ -229,6 +231,11 @@ class PageCheck {
     return box;
   }
 
+  // Beyond it 32-bit coordinates wrap round: what is there would vanish from the top level. Origins are inside, and all
+  // that counts from them counts upwards.
+  static bool on_lattice(const WideNodeBox& box) {
+    return std::ranges::all_of(box.max, [](std::int64_t v) { return v <= INT32_MAX; });
+  }
   static bool contains(const WideNodeBox& outer, const WideNodeBox& inner) {
     for (std::size_t axis = 0; axis < 3; ++axis)
       if (inner.min[axis] < outer.min[axis] || inner.max[axis] > outer.max[axis]) return false;

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <random>
 
-#include "streamer/streamer.h"
 #include "shaders/shared/page_node.h"
+#include "streamer/streamer.h"
 #include "streamer/world_format/bvh_page.h"
 #include "streamer/world_format/page_view.h"
 #include "streamer/world_format/world_index.h"
@@ -244,6 +244,24 @@ TEST(Page, check_finds_wrong_boxes_references_depths_and_materials) {
   EXPECT_TRUE(refused(cluster + 8, good[cluster + 8] | 0xFF000000));  // palette place 255
   EXPECT_TRUE(refused(header.entries_offset_words + 2, 0));      // cluster table
   EXPECT_TRUE(refused(header.palette_offset_words, 0x00020001));
+}
+
+// A box beyond 32 bits holds all that it should, and yet would come out empty where the top level reads it.
+TEST(Page, check_finds_boxes_that_leave_the_lattice) {
+  const std::vector<std::uint32_t> good = test::page_of(world(), 1);
+  const gpu::PageNode root = PageView(good).node(0);
+  const std::size_t word = PageView::node_word(0);
+  for (const std::uint32_t exponent : {node_exponent(root, 2), 31U}) {
+    std::vector<std::uint32_t> page = good;
+    page[word + 3] |= exponent << 10;
+    for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
+      if (((inner_mask(root) | leaf_mask(root)) >> slot & 1U) == 0) continue;
+      const std::uint32_t byte = 0xFFU << (8 * (slot & 3U));
+      page[word + 12 + slot / 4] &= ~byte;  // from the node's origin
+      page[word + 18 + slot / 4] |= byte;   // as far as the exponent reaches
+    }
+    EXPECT_EQ(verify_page(page, 2, "p").ok(), exponent != 31) << exponent;
+  }
 }
 
 TEST(Page, flips_and_prefixes_are_errors_or_sound_pages) {
