@@ -264,6 +264,7 @@ void add_bench(CLI::App& app, const SetCommand& set) {
   CLI::App* command = app.add_subcommand("bench", "Measure against peers, in one run, on the same data");
   command->require_subcommand(1);
   add_trace(*command, set);
+  add_bench_top_level(*command, set);
 }
 
 }  // namespace zc
