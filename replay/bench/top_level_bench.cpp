@@ -132,15 +132,16 @@ std::vector<RootPage> repeat_root_pages(std::span<const RootPage> pages, std::si
   return out;
 }
 
-double top_level_cost(const TopLevel& top, std::span<const TracedPage> pages, std::uint32_t first_word) {
+double top_level_cost(std::span<const gpu::PageNode> nodes, std::span<const TracedPage> pages,
+                      std::uint32_t first_word) {
   std::set<std::uint32_t> children_of_roots;  // where they begin: whose copy a leaf of the top level is
   for (const TracedPage& page : pages)
     if (inner_mask(page.root->root) != 0)
       children_of_roots.insert(page.page_word + gpu::kPageHeaderWords + page.root->root.child_offset);
   double sum = 0;
   NodeBox all;
-  for (std::uint32_t i = 0; i < top.nodes.size(); ++i) {
-    const gpu::PageNode& node = top.nodes[i];
+  for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+    const gpu::PageNode& node = nodes[i];
     const std::uint32_t child_word = first_word + i * gpu::kPageNodeWords + node.child_offset;
     if (inner_mask(node) == 0 || (child_word < first_word && !children_of_roots.contains(child_word))) continue;
     for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
@@ -173,16 +174,16 @@ Result<TopLevelReport> run_top_level_bench(std::string scene, std::span<const Ro
   report.scene = std::move(scene);
   report.zones = pages.size();
   std::vector<double> times;
-  TopLevel top;
+  TopLevelBuilder top;
   for (unsigned r = 0; r < options.repeat; ++r) {
     const double start = now_ms();
-    top = build_top_level(traced, at);
+    top.build(traced, at);
     times.push_back(now_ms() - start);
   }
-  report.nodes = top.nodes.size();
-  report.depth = top.depth;
-  report.cost = top_level_cost(top, traced, at);
-  report.rows.push_back(make_row("build_top_level", std::move(times)));
+  report.nodes = top.nodes().size();
+  report.depth = top.depth();
+  report.cost = top_level_cost(top.nodes(), traced, at);
+  report.rows.push_back(make_row("top_level", std::move(times)));
   Result<TopLevelRow> set_zones = time_set_zones(pages, words, at, options);
   if (set_zones) {
     report.rows.push_back(*std::move(set_zones));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What it costs to rebuild the top level when residency changes: build_top_level alone, and ZoneSet::set_zones with its
+// What it costs to rebuild the top level when residency changes: the build alone, and ZoneSet::set_zones with its
 // look-ups and uploads.
 // Units: milliseconds; cost as below. Borrows what it is given. Threads: one at a time. Deterministic but for the
 // times. Fails when a page of the world cannot be loaded, when it has none, or when the driver refuses.
@@ -28,7 +28,8 @@ std::vector<RootPage> repeat_root_pages(std::span<const RootPage> pages, std::si
 
 // Nodes that a random ray through the top level's box meets, by the surface area heuristic: those of the top level, the
 // pages' roots and the roots' children. Pages opened or not thus compare.
-double top_level_cost(const TopLevel& top, std::span<const TracedPage> pages, std::uint32_t first_word);
+double top_level_cost(std::span<const gpu::PageNode> nodes, std::span<const TracedPage> pages,
+                      std::uint32_t first_word);
 
 struct TopLevelBenchOptions {
   unsigned repeat = 201;
