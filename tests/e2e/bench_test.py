@@ -129,6 +129,20 @@ class Bench(support.Case):
         self.assertIn("mismatches", table[1])
         self.assertEqual([line.split()[1] for line in table[2:]], ["thesis", "bvh2"])
 
+    def test_the_top_level_is_timed_over_any_number_of_zones(self):
+        for zones in (1, 40):
+            report = json.loads(self.zonecast("bench", "top-level", self.world, "--zones", zones, "--repeat", 3,
+                                              "--json", "-"))
+            self.assertEqual(report["zones"], zones)
+            self.assertEqual([row["engine"] for row in report["rows"]], ["top_level", "set_zones"])
+            for row in report["rows"]:
+                self.assertGreater(row["build_ms"], 0)
+                self.assertGreaterEqual(row["p95_ms"], row["build_ms"])
+                self.assertGreaterEqual(row["nodes"], zones)
+                self.assertGreaterEqual(row["cost"], 1)
+        self.assert_refused(["bench", "top-level", self.folder / "none"], FAILURE, "none")
+        self.assert_refused(["bench", "top-level", self.world, "--zones", "0"], ARGUMENTS)
+
     def test_bad_files(self):
         good = ["bench", "trace", "--engines", "bvh2", "--triangles", self.triangles]
         rays = write_floats(self.folder / "one.rays", [0, 0, 50, 0, 0, -1])
