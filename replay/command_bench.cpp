@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <spdlog/spdlog.h>
-#include <stdlib.h>
 
 #include <cmath>
 #include <glm/common.hpp>
@@ -20,6 +19,7 @@
 #include "replay/bench/trace_bench.h"
 #include "replay/commands.h"
 #include "replay/progress.h"
+#include "replay/temporary_folder.h"
 #include "replay/units.h"
 
 namespace zc {
@@ -42,27 +42,6 @@ struct Arguments {
 // Raw triangles within this of zero are exact in floats as they are; others are traced around a whole metre in their
 // middle.
 constexpr double kPlainFrameM = 32768;
-
-class TemporaryFolder {
- public:
-  TemporaryFolder() = default;
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  Status create() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "zonecast-bench-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) return Error{ErrorCode::kIo, "cannot make a temporary folder", pattern};
-    path_ = pattern;
-    return {};
-  }
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 // Snaps and cuts as a bake does, without proxies.
 Result<BenchScene> cut_scene(std::string name, Scene&& soup, const std::optional<CrsPoint>& origin) {
@@ -126,8 +105,8 @@ struct Subject {
 Result<CameraSample> read_camera(const std::string& path, std::uint64_t frame, const glm::dvec3& offset_m) {
   ZC_ASSIGN(const CameraPath samples, read_camera_path(path));
   if (frame >= samples.size())
-    return Error{ErrorCode::kArgument, "--frame " + std::to_string(frame) + " of a path of " +
-                                           std::to_string(samples.size()) + " samples"};
+    return Error{ErrorCode::kArgument,
+                 "--frame " + std::to_string(frame) + " of a path of " + std::to_string(samples.size()) + " samples"};
   CameraSample sample = samples[frame];
   sample.eye += offset_m;
   sample.target += offset_m;
@@ -271,6 +250,7 @@ void add_bench(CLI::App& app, const SetCommand& set) {
   CLI::App* command = app.add_subcommand("bench", "Measure against peers, in one run, on the same data");
   command->require_subcommand(1);
   add_trace(*command, set);
+  add_bench_top_level(*command, set);
 }
 
 }  // namespace zc

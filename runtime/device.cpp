@@ -227,6 +227,11 @@ Status Device::create_device(const DeviceOptions& options) {
       info.pNext = &subgroups;
     }
   }
+  VkPhysicalDeviceFeatures offered{};
+  vkGetPhysicalDeviceFeatures(physical_, &offered);
+  VkPhysicalDeviceFeatures on{};
+  on.robustBufferAccess = options.validation ? offered.robustBufferAccess : VK_FALSE;
+  info.pEnabledFeatures = &on;
   info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   info.ppEnabledExtensionNames = extensions.data();
   ZC_VK(vkCreateDevice(physical_, &info, nullptr, &device_));

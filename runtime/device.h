@@ -17,7 +17,7 @@ namespace zc {
 
 struct DeviceOptions {
   std::string name;  // part of the device's name, any case; empty: a discrete GPU if there is one, else the first
-  bool validation = false;  // Khronos validation with synchronisation validation
+  bool validation = false;      // Khronos and synchronisation validation, and robust buffer access where it is offered
   bool ray_query = false;       // VK_KHR_ray_query and what it needs, where the device offers it
   bool subgroup_sizes = false;  // VK_EXT_subgroup_size_control, where the device offers it
 };

@@ -19,6 +19,7 @@ struct PassVariant {
   std::uint32_t trace_host = 0;
   std::uint32_t pool_path = 0;     // kPoolTexels or kPoolStorage
   std::int32_t rays_per_lane = 4;  // of packets; 0: rays are traced one by one
+  std::uint32_t check_access = 0;  // 1: count reads outside the traced pages (page_fetch.glsl)
 };
 
 class PassLayout {

@@ -63,6 +63,7 @@ void Renderer::write_frame(const RenderCamera& camera) {
                           std::sin(elevation), options_.roughness_cut};
   frame_.sun_radiance = {1.75F, 1.58F, 1.32F, static_cast<float>(camera.step_m)};
   frame_.sets = {proxies_.root_word(), proxies_.zone_count(), host_.root_word(), host_.zone_count()};
+  frame_.set_ends = {proxies_.end_word(), host_.end_word(), 0, 0};
   frame_.camera_lattice = {camera.lattice[0], camera.lattice[1], camera.lattice[2], 0};
   std::memcpy(frame_buffer_.mapped().data(), &frame_, sizeof(frame_));
 }
@@ -170,7 +171,7 @@ Result<FrameResult> Renderer::render(const RenderCamera& camera, std::span<const
   }));
 
   FrameResult result;
-  std::memcpy(&result.counters, counters_readback_.mapped().data(), sizeof(gpu::Counters));
+  result.counters = this->counters();
   if (!trace) result.counters.pixel_count = 0;  // found, but no ray left them
   std::array<std::uint64_t, kPassCount + 1> ticks{};
   ZC_TRY(read_stamps(ticks));
@@ -236,8 +237,14 @@ std::span<const std::byte> Renderer::pixels() const {
   return readback_.mapped().first(static_cast<std::size_t>(output_.bytes()));
 }
 
-Result<std::vector<TracedHit>> Renderer::trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays, bool host,
-                                               double* milliseconds) {
+gpu::Counters Renderer::counters() const {
+  gpu::Counters counters;
+  std::memcpy(&counters, counters_readback_.mapped().data(), sizeof counters);
+  return counters;
+}
+
+Result<std::vector<TracedHit>> Renderer::trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays,
+                                               bool host, double* milliseconds) {
   ZC_CHECK(!rays.empty() && rays.size_bytes() <= rays_.bytes());
   write_frame(camera);
   std::memcpy(readback_.mapped().data(), rays.data(), rays.size_bytes());
@@ -262,6 +269,8 @@ Result<std::vector<TracedHit>> Renderer::trace(const RenderCamera& camera, std::
     dispatch_indirect(c, host ? resolve_host_ : resolve_proxies_, offsetof(gpu::Counters, trace_groups_x));
     const VkBufferCopy back{0, 0, rays.size() * sizeof(gpu::HitRecord)};
     vkCmdCopyBuffer(c, hits_.handle(), readback_.handle(), 1, &back);
+    const VkBufferCopy counted{0, 0, sizeof(counters)};
+    vkCmdCopyBuffer(c, counters_.handle(), counters_readback_.handle(), 1, &counted);
     after_transfer(c);
   }));
   if (milliseconds != nullptr) {

@@ -37,7 +37,8 @@ struct RendererOptions {
   std::uint32_t page_depth = gpu::kPageMaxDepth;  // deepest page that will be traced
   std::uint32_t max_zones = 1;                    // most zones ever resident in one set
   std::uint32_t pool_path = gpu::kPoolTexels;     // or kPoolStorage: how shaders read pages
-  std::uint32_t rays_per_lane = 4;                // packets of eight times as many rays; 0: rays one by one
+  std::uint32_t rays_per_lane = 8;                // packets of eight times as many rays; 0: rays one by one
+  bool check_access = false;                      // count reads outside the traced pages, and divert them: for tests
 };
 
 struct RenderCamera {
@@ -66,9 +67,9 @@ struct FrameResult {
 };
 
 struct TracedHit {
-  float t = 0;                      // metres
-  std::uint32_t page_word = 0;      // the page's first word in the pool, or gpu::kHitNone / kHitLost
-  std::uint32_t triangle = 0;       // position in that page
+  float t = 0;                  // metres
+  std::uint32_t page_word = 0;  // the page's first word in the pool, or gpu::kHitNone / kHitLost
+  std::uint32_t triangle = 0;   // position in that page
 };
 
 class Renderer {
@@ -85,10 +86,12 @@ class Renderer {
   // The picture: width × height RGBA8 (sRGB), top row first; valid until the next call.
   [[nodiscard]] std::span<const std::byte> pixels() const;
 
-  // Closest hits of rays (positions relative to camera_lattice) up to the camera's ray_length_m, against the proxy set or
-  // the host set: for tests and benchmarks. At most width × height rays at a time.
+  // Closest hits of rays (positions relative to camera_lattice) up to the camera's ray_length_m, against the proxy set
+  // or the host set: for tests and benchmarks. At most width × height rays at a time.
   Result<std::vector<TracedHit>> trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays, bool host,
                                        double* milliseconds = nullptr);
+  // What the last trace() or render() counted.
+  [[nodiscard]] gpu::Counters counters() const;
 
  private:
   Renderer(Device& device, const ZoneSet& proxies, const ZoneSet& host, const RendererOptions& options)
@@ -116,7 +119,8 @@ class Renderer {
   PassLayout layout_;
   gpu::FrameData frame_ = {};
 
-  Buffer frame_buffer_, materials_, hiz_, lit_, reflection_, provenance_, pixel_list_, rays_, hits_, retries_, counters_, output_;
+  Buffer frame_buffer_, materials_, hiz_, lit_, reflection_, provenance_, pixel_list_, rays_, hits_, retries_,
+      counters_, output_;
   Buffer readback_, counters_readback_;
   BufferView ray_texels_;
   Image depth_, surface_, overlay_;

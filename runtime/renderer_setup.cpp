@@ -208,6 +208,7 @@ Status Renderer::create_pipelines() {
   const std::uint32_t depth = options_.page_depth + top_level_depth_bound(options_.max_zones);
   variant.stack_size = static_cast<std::int32_t>(depth);
   variant.pool_path = options_.pool_path;
+  variant.check_access = options_.check_access ? 1 : 0;
   variant.rays_per_lane = depth <= kPacketStack && device_.subgroup_size() >= 8 ? options_.rays_per_lane : 0;
   rays_per_lane_ = variant.rays_per_lane;
   variant.use_screen = options_.reflections == ReflectionMode::kScreenAndProxy ? 1 : 0;

@@ -3,267 +3,15 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
-#include <queue>
-
-#include "base/check.h"
 
 namespace zc {
 namespace {
 
-constexpr std::uint32_t kBins = 8;
-constexpr std::uint32_t kSahDepth = 3;  // below, splits halve the count: the depth stays bounded
+constexpr std::uint32_t kSahLevels = 3;  // below, splits halve the count: the depth stays bounded
 
-// A node that becomes a leaf of the top level: a page's root, or a part of it.
-struct Item {
-  NodeBox box;
-  std::array<std::int64_t, 3> center{};  // doubled
-  gpu::PageNode node;
-  std::uint32_t word = 0;  // where the node's references count from
-  std::uint32_t depth = 1;
-};
-
-NodeBox bounds(const gpu::PageNode& node) {
-  NodeBox all;
-  for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
-    if (((inner_mask(node) | leaf_mask(node)) >> slot & 1U) == 0) continue;
-    const WideNodeBox box = child_box(node, slot);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      all.min[axis] = static_cast<std::int32_t>(std::min<std::int64_t>(all.min[axis], box.min[axis]));
-      all.max[axis] = static_cast<std::int32_t>(std::max<std::int64_t>(all.max[axis], box.max[axis]));
-    }
-  }
-  return all;
-}
-
-Item make_item(const gpu::PageNode& node, std::uint32_t word, std::uint32_t depth) {
-  Item item{bounds(node), {}, node, word, depth};
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    item.center[axis] = std::int64_t{item.box.min[axis]} + item.box.max[axis];
-  return item;
-}
-
-std::size_t opened_items(std::size_t pages) { return pages / 2 + gpu::kNodeWidth; }
-
-// One item a page, except that the largest roots are replaced by their children while there is room.
-std::vector<Item> make_items(std::span<const TracedPage> pages) {
-  std::vector<Item> items;
-  items.reserve(pages.size() + opened_items(pages.size()));
-  for (const TracedPage& page : pages)
-    items.push_back(make_item(page.root->root, page.page_word + gpu::kPageHeaderWords, page.root->depth));
-  if (pages.size() < 2) return items;
-
-  std::vector<std::uint32_t> by_area(pages.size());
-  std::vector<double> area(pages.size());
-  for (std::uint32_t i = 0; i < pages.size(); ++i) {
-    by_area[i] = i;
-    area[i] = items[i].box.half_area();
-  }
-  std::ranges::sort(by_area, [&](std::uint32_t a, std::uint32_t b) { return area[a] != area[b] ? area[a] > area[b] : a < b; });
-  std::size_t room = opened_items(pages.size());
-  for (const std::uint32_t i : by_area) {
-    const gpu::PageNode root = items[i].node;
-    const std::uint32_t root_word = items[i].word;
-    const auto children = static_cast<std::uint32_t>(std::popcount(inner_mask(root)));
-    const bool leaves = leaf_mask(root) != 0;
-    const std::uint32_t parts = children + (leaves ? 1U : 0U);
-    if (children == 0) continue;
-    if (parts - 1 > room) break;
-    room -= parts - 1;
-    for (std::uint32_t c = 0; c < children; ++c) {
-      const Item part = make_item(pages[i].root->children[c], root_word + root.child_offset + c * gpu::kPageNodeWords,
-                                  pages[i].root->depth - 1);
-      if (c == 0) {
-        items[i] = part;
-      } else {
-        items.push_back(part);
-      }
-    }
-    if (leaves) {  // what is left of the root: its own triangles
-      gpu::PageNode rest = root;
-      rest.exponents_masks &= ~(0xFFU << 16);
-      items.push_back(make_item(rest, root_word, 1));
-    }
-  }
-  return items;
-}
-
-class Builder {
- public:
-  Builder(std::vector<Item> items, std::uint32_t first_word) : items_(std::move(items)), first_word_(first_word) {}
-
-  TopLevel run() {
-    top_.nodes.reserve(2 * items_.size() + 1);
-    top_.nodes.emplace_back(pack_boxes({}));
-    if (!items_.empty()) {
-      order_.resize(items_.size());
-      for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = i;
-      build(0, order_, 1);
-    }
-    return std::move(top_);
-  }
-
- private:
-  struct Part {
-    std::span<std::uint32_t> items;
-    NodeBox box;
-  };
-
-  Part make_part(std::span<std::uint32_t> items) const {
-    Part part{items, {}};
-    for (const std::uint32_t i : items) part.box.add(items_[i].box);
-    return part;
-  }
-
-  std::size_t split_at_median(std::span<std::uint32_t> items, std::size_t axis) const {
-    const std::size_t middle = items.size() / 2;
-    std::ranges::nth_element(items, items.begin() + static_cast<std::ptrdiff_t>(middle), [&](std::uint32_t a, std::uint32_t b) {
-      const auto ca = items_[a].center[axis];
-      const auto cb = items_[b].center[axis];
-      return ca != cb ? ca < cb : a < b;
-    });
-    return middle;
-  }
-
-  // Arranges the items of a part and returns the size of its first half.
-  std::size_t split(std::span<std::uint32_t> items, std::uint32_t depth) const {
-    std::array<std::int64_t, 3> low = items_[items[0]].center;
-    std::array<std::int64_t, 3> high = low;
-    for (const std::uint32_t i : items) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        low[axis] = std::min(low[axis], items_[i].center[axis]);
-        high[axis] = std::max(high[axis], items_[i].center[axis]);
-      }
-    }
-    std::size_t widest = 0;
-    for (std::size_t axis = 1; axis < 3; ++axis)
-      if (high[axis] - low[axis] > high[widest] - low[widest]) widest = axis;
-    if (depth > kSahDepth || high[widest] == low[widest]) return split_at_median(items, widest);
-    const auto bin_of = [&](std::uint32_t i, std::size_t axis) {
-      return static_cast<std::uint32_t>((items_[i].center[axis] - low[axis]) * kBins / (high[axis] - low[axis] + 1));
-    };
-    double best_cost = std::numeric_limits<double>::infinity();
-    std::size_t best_axis = widest;
-    std::uint32_t best_bin = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (high[axis] == low[axis]) continue;
-      std::array<NodeBox, kBins> boxes;
-      std::array<std::uint32_t, kBins> counts{};
-      for (const std::uint32_t i : items) {
-        const std::uint32_t bin = bin_of(i, axis);
-        boxes[bin].add(items_[i].box);
-        ++counts[bin];
-      }
-      std::array<double, kBins> right_cost{};
-      NodeBox right;
-      std::uint32_t right_count = 0;
-      for (std::uint32_t bin = kBins - 1; bin > 0; --bin) {
-        right.add(boxes[bin]);
-        right_count += counts[bin];
-        right_cost[bin] = right.half_area() * right_count;
-      }
-      NodeBox left;
-      std::uint32_t left_count = 0;
-      for (std::uint32_t bin = 0; bin + 1 < kBins; ++bin) {
-        left.add(boxes[bin]);
-        left_count += counts[bin];
-        if (left_count == 0 || left_count == items.size()) continue;
-        const double cost = left.half_area() * left_count + right_cost[bin + 1];
-        if (cost < best_cost) {
-          best_cost = cost;
-          best_axis = axis;
-          best_bin = bin;
-        }
-      }
-    }
-    const auto second = std::ranges::partition(items, [&](std::uint32_t i) { return bin_of(i, best_axis) <= best_bin; });
-    return items.size() - second.size();
-  }
-
-  // Fills nodes[index], whose children lie one after the other.
-  void build(std::uint32_t index, std::span<std::uint32_t> items, std::uint32_t depth) {
-    std::vector<Part> parts = {make_part(items)};
-    while (parts.size() < gpu::kNodeWidth) {
-      double largest = -1;
-      std::size_t chosen = 0;
-      for (std::size_t i = 0; i < parts.size(); ++i) {
-        // Below the SAH levels the fullest part is divided, so that the depth is a logarithm.
-        const double size =
-            depth > kSahDepth ? static_cast<double>(parts[i].items.size()) : parts[i].box.half_area();
-        if (parts[i].items.size() > 1 && size > largest) {
-          largest = size;
-          chosen = i;
-        }
-      }
-      if (largest < 0) break;
-      const std::span<std::uint32_t> whole = parts[chosen].items;
-      const std::size_t first = split(whole, depth);
-      parts[chosen] = make_part(whole.first(first));
-      parts.push_back(make_part(whole.subspan(first)));
-    }
-
-    std::array<NodeBox, gpu::kNodeWidth> child_boxes;
-    for (std::size_t i = 0; i < parts.size(); ++i) child_boxes[i] = parts[i].box;
-    const auto child_of_slot = assign_slots(std::span(child_boxes).first(parts.size()));
-    std::array<NodeBox, gpu::kNodeWidth> slot_boxes;
-    std::uint32_t mask = 0;
-    for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
-      if (child_of_slot[slot] < 0) continue;
-      slot_boxes[slot] = child_boxes[static_cast<std::size_t>(child_of_slot[slot])];
-      mask |= 1U << slot;
-    }
-    gpu::PageNode node = pack_boxes(slot_boxes);
-    node.exponents_masks |= mask << 16;
-    const auto first_child = static_cast<std::uint32_t>(top_.nodes.size());
-    node.child_offset = (first_child - index) * gpu::kPageNodeWords;
-    top_.nodes[index] = node;
-    top_.nodes.resize(top_.nodes.size() + parts.size());
-    std::uint32_t child = first_child;
-    for (const int part : child_of_slot) {
-      if (part < 0) continue;
-      const std::span<std::uint32_t> inside = parts[static_cast<std::size_t>(part)].items;
-      if (inside.size() == 1) {
-        place(child, items_[inside[0]], depth);
-      } else {
-        build(child, inside, depth + 1);
-      }
-      ++child;
-    }
-  }
-
-  void place(std::uint32_t index, const Item& item, std::uint32_t depth) {
-    // References count in words modulo 2^32: a copy behind its page refers backwards.
-    const std::uint32_t moved = item.word - (first_word_ + index * gpu::kPageNodeWords);
-    gpu::PageNode node = item.node;
-    node.child_offset += moved;
-    node.triangle_offset += moved;
-    node.cluster_offset += moved;
-    top_.nodes[index] = node;
-    top_.depth = std::max(top_.depth, depth + item.depth);
-  }
-
-  std::vector<Item> items_;
-  std::uint32_t first_word_;
-  std::vector<std::uint32_t> order_;
-  TopLevel top_;
-};
+constexpr std::size_t opened_items(std::size_t pages) { return pages / 2 + gpu::kNodeWidth; }
 
 }  // namespace
-
-PageRoot page_root(std::span<const std::uint32_t> page) {
-  ZC_CHECK(page.size() >= gpu::kPageHeaderWords + gpu::kPageNodeWords);
-  gpu::PageHeader header;
-  std::memcpy(&header, page.data(), sizeof header);
-  PageRoot out;
-  out.depth = header.depth;
-  out.triangle_count = header.triangle_count;
-  std::memcpy(&out.root, page.data() + gpu::kPageHeaderWords, sizeof out.root);
-  const auto children = static_cast<std::size_t>(std::popcount(inner_mask(out.root)));
-  const std::size_t at = gpu::kPageHeaderWords + std::size_t{out.root.child_offset};
-  ZC_CHECK(children == 0 || at + children * gpu::kPageNodeWords <= page.size());
-  if (children > 0) std::memcpy(out.children.data(), page.data() + at, children * sizeof(gpu::PageNode));
-  return out;
-}
 
 std::uint32_t top_level_node_bound(std::uint32_t pages) {
   // Every inner node has at least two children, so there are fewer of them than items; and the root.
@@ -273,13 +21,170 @@ std::uint32_t top_level_node_bound(std::uint32_t pages) {
 
 std::uint32_t top_level_depth_bound(std::uint32_t pages) {
   const auto items = pages + static_cast<std::uint32_t>(opened_items(pages));
-  std::uint32_t depth = kSahDepth;
+  std::uint32_t depth = kSahLevels;
   for (std::uint64_t held = 1; held < items; held *= gpu::kNodeWidth) ++depth;
   return depth;
 }
 
-TopLevel build_top_level(std::span<const TracedPage> pages, std::uint32_t first_word) {
-  return Builder(make_items(pages), first_word).run();
+void TopLevelBuilder::build(std::span<const TracedPage> pages, std::uint32_t first_word) {
+  first_word_ = first_word;
+  depth_ = 1;
+  node_count_ = 1;
+  const std::size_t bound = top_level_node_bound(static_cast<std::uint32_t>(pages.size()));
+  if (nodes_.size() < bound) nodes_.resize(bound);
+  if (pages.empty()) {
+    nodes_[0] = pack_boxes({});
+    return;
+  }
+  make_items(pages);
+  split_.begin(boxes_);
+  order_.resize(items_.size());
+  for (std::uint32_t i = 0; i < order_.size(); ++i) order_[i] = i;
+  build_node(0, order_, 1);
+}
+
+void TopLevelBuilder::put_item(std::size_t place, const Item& item, const NodeBox& box) {
+  if (place == items_.size()) {
+    items_.push_back(item);
+    boxes_.push_back(box);
+  } else {
+    items_[place] = item;
+    boxes_[place] = box;
+  }
+}
+
+// Puts the children of a page's root, and the root's own triangles, in the place of the root.
+void TopLevelBuilder::open_page(const TracedPage& page, std::size_t place) {
+  const PageRoot& root = *page.root;
+  const std::uint32_t root_word = page.page_word + gpu::kPageHeaderWords;
+  for (std::uint32_t c = 0; c < root.child_count; ++c)
+    put_item(c == 0 ? place : items_.size(),
+             {&root.children[c], root_word + root.root.child_offset + c * gpu::kPageNodeWords, root.depth - 1},
+             root.child_boxes[c]);
+  if (leaf_mask(root.root) != 0) put_item(items_.size(), {&root.root, root_word, 1, ~(0xFFU << 16)}, root.leaf_box);
+}
+
+// One item a page, except that the largest roots are opened while there is room.
+void TopLevelBuilder::make_items(std::span<const TracedPage> pages) {
+  items_.clear();
+  boxes_.clear();
+  for (const TracedPage& page : pages)
+    put_item(items_.size(), {&page.root->root, page.page_word + gpu::kPageHeaderWords, page.root->depth},
+             page.root->box);
+  if (pages.size() < 2) return;
+
+  // The largest area first, of equal ones the first page. Only some of them ever leave the heap.
+  by_area_.clear();
+  for (std::uint32_t i = 0; i < pages.size(); ++i)
+    if (pages[i].root->child_count > 0)
+      by_area_.push_back(std::uint64_t{std::bit_cast<std::uint32_t>(pages[i].root->half_area)} << 32 | ~i);
+  std::ranges::make_heap(by_area_);
+  std::size_t room = opened_items(pages.size());
+  for (auto end = by_area_.end(); end != by_area_.begin(); --end) {
+    const auto i = ~static_cast<std::uint32_t>(by_area_.front());
+    const PageRoot& root = *pages[i].root;
+    const std::size_t more = root.child_count - (leaf_mask(root.root) != 0 ? 0U : 1U);
+    if (more > room) break;
+    room -= more;
+    open_page(pages[i], i);
+    std::ranges::pop_heap(by_area_.begin(), end);
+  }
+}
+
+// Puts what small parts hold in their place, as far as there is room: a node less to visit. First where that saves most
+// for a place.
+void TopLevelBuilder::dissolve(Parts& parts) const {
+  while (parts.count < gpu::kNodeWidth) {
+    float best = 0;
+    std::size_t chosen = parts.count;
+    for (std::size_t i = 0; i < parts.count; ++i) {
+      const std::size_t more = parts.items[i].size() - 1;
+      if (more == 0 || parts.count + more > gpu::kNodeWidth) continue;
+      const float gain = parts.boxes[i].half_area() / static_cast<float>(more);
+      if (chosen < parts.count && gain <= best) continue;
+      best = gain;
+      chosen = i;
+    }
+    if (chosen == parts.count) return;
+    const Part whole = parts.items[chosen];
+    for (std::size_t k = 0; k < whole.size(); ++k)
+      parts.put(k == 0 ? chosen : parts.count++, whole.subspan(k, 1), split_.box(whole[k]));
+  }
+}
+
+// Up to eight parts. Each time the one is divided that promises most among those that are more than a node holds.
+void TopLevelBuilder::divide(Part items, std::uint32_t level, Parts& parts) {
+  // Below the SAH levels the fullest part is divided, so that the depth is a logarithm.
+  const bool by_count = level > kSahLevels;
+  parts.add(items, FloatBox::none());
+  while (parts.count < gpu::kNodeWidth) {
+    float best = -1;
+    std::size_t chosen = parts.count;
+    for (std::size_t i = 0; i < parts.count; ++i) {
+      if (parts.items[i].size() <= (by_count ? 1 : gpu::kNodeWidth)) continue;
+      const float size = by_count           ? static_cast<float>(parts.items[i].size())
+                         : parts.count == 1 ? 0
+                                            : parts.boxes[i].half_area();
+      if (size <= best) continue;
+      best = size;
+      chosen = i;
+    }
+    if (chosen == parts.count) break;
+    const Part whole = parts.items[chosen];
+    const BoxSplit::Halves halves = by_count ? split_.by_count(whole) : split_.by_area(whole);
+    parts.put(chosen, whole.first(halves.first), halves.left);
+    parts.add(whole.subspan(halves.first), halves.right);
+  }
+  dissolve(parts);
+}
+
+// Fills nodes_[index], whose children lie one after the other.
+NodeBox TopLevelBuilder::build_node(std::uint32_t index, Part items, std::uint32_t level) {
+  Parts parts;
+  if (items.size() > gpu::kNodeWidth) {
+    divide(items, level, parts);
+  } else {
+    for (std::size_t i = 0; i < items.size(); ++i) parts.add(items.subspan(i, 1), split_.box(items[i]));
+  }
+  std::array<NodeBox, gpu::kNodeWidth> about;  // boxes, but for what floats round
+  for (std::size_t i = 0; i < parts.count; ++i) about[i] = to_node_box(parts.boxes[i]);
+  const auto part_of_slot = assign_slots(std::span(about).first(parts.count));
+  const std::uint32_t first_child = node_count_;
+  node_count_ += static_cast<std::uint32_t>(parts.count);
+  std::array<NodeBox, gpu::kNodeWidth> boxes;
+  NodeBox all;
+  std::uint32_t mask = 0;
+  std::uint32_t child = first_child;
+  for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
+    if (part_of_slot[slot] < 0) continue;
+    const Part inside = parts.items[static_cast<std::size_t>(part_of_slot[slot])];
+    if (inside.size() == 1) {
+      place_item(child, items_[inside[0]], level);
+      boxes[slot] = boxes_[inside[0]];
+    } else {
+      boxes[slot] = build_node(child, inside, level + 1);
+    }
+    all.add(boxes[slot]);
+    mask |= 1U << slot;
+    ++child;
+  }
+  gpu::PageNode& node = nodes_[index];
+  node = pack_boxes(boxes);
+  node.exponents_masks |= mask << 16;
+  node.child_offset = (first_child - index) * gpu::kPageNodeWords;
+  return all;
+}
+
+void TopLevelBuilder::place_item(std::uint32_t index, const Item& item, std::uint32_t level) {
+  // References count in words modulo 2^32: a copy behind its page refers backwards.
+  const std::uint32_t moved = item.word - (first_word_ + index * gpu::kPageNodeWords);
+  gpu::PageNode& node = nodes_[index];
+  node = *item.node;
+  node.exponents_masks &= item.kept_masks;
+  node.child_offset += moved;
+  node.triangle_offset += moved;
+  node.cluster_offset += moved;
+  depth_ = std::max(depth_, level + item.depth);
 }
 
 }  // namespace zc

@@ -31,11 +31,13 @@ void copy(VkCommandBuffer commands, const Buffer& from, VkDeviceSize from_bytes,
 
 Status ZoneSet::create(std::uint64_t capacity_words, std::uint32_t max_zones) {
   const VkPhysicalDeviceLimits& limits = device_.limits();
-  const std::uint64_t pages_words = (capacity_words + gpu::kPageAlignWords - 1) / gpu::kPageAlignWords * gpu::kPageAlignWords;
+  const std::uint64_t pages_words =
+      (capacity_words + gpu::kPageAlignWords - 1) / gpu::kPageAlignWords * gpu::kPageAlignWords;
   const std::uint64_t top_words = std::uint64_t{top_level_node_bound(max_zones)} * gpu::kPageNodeWords;
   const VkDeviceSize bytes = (pages_words + top_words) * 4;
   if (bytes / 4 > gpu::kPoolMaxWords)
-    return Error{ErrorCode::kUnsupported, "a page pool of " + std::to_string(bytes) + " bytes, more than hits can number"};
+    return Error{ErrorCode::kUnsupported,
+                 "a page pool of " + std::to_string(bytes) + " bytes, more than hits can number"};
   if (bytes > limits.maxStorageBufferRange || bytes / 4 > limits.maxTexelBufferElements)
     return Error{ErrorCode::kDevice, "a page pool of " + std::to_string(bytes) + " bytes is more than " +
                                          device_.name() + " binds (storage " +
@@ -44,7 +46,8 @@ Status ZoneSet::create(std::uint64_t capacity_words, std::uint32_t max_zones) {
   constexpr VkBufferUsageFlags usage =
       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
   const VkDeviceSize zones = std::max<std::uint32_t>(max_zones, 1);
-  ZC_ASSIGN(pool_, Buffer::create(device_, bytes, usage | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, MemoryUse::kDevice));
+  ZC_ASSIGN(pool_,
+            Buffer::create(device_, bytes, usage | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, MemoryUse::kDevice));
   ZC_ASSIGN(texels_, BufferView::create(device_, pool_, VK_FORMAT_R32_UINT));
   ZC_ASSIGN(texels4_, BufferView::create(device_, pool_, VK_FORMAT_R32G32B32A32_UINT));
   ZC_ASSIGN(zones_, Buffer::create(device_, zones * sizeof(gpu::ZoneEntry), usage, MemoryUse::kDevice));
@@ -72,11 +75,14 @@ Status ZoneSet::write(const Buffer& target, std::uint64_t offset_bytes, std::spa
   return {};
 }
 
+std::vector<ZoneSet::Resident>::iterator ZoneSet::first_from(std::uint64_t word) {
+  return std::ranges::lower_bound(residents_, word, {}, &Resident::page_word);
+}
+
 Status ZoneSet::upload(std::uint64_t offset_words, std::span<const std::uint32_t> page) {
   // Pages that this one overwrites are gone.
-  const auto first = roots_.lower_bound(offset_words);
-  roots_.erase(first, roots_.lower_bound(offset_words + page.size()));
-  roots_[offset_words] = page_root(page);
+  const auto at = residents_.erase(first_from(offset_words), first_from(offset_words + page.size()));
+  residents_.insert(at, {offset_words, std::make_unique<PageRoot>(page_root(page))});
   return write(pool_, offset_words * 4, std::as_bytes(page));
 }
 
@@ -85,10 +91,12 @@ Status ZoneSet::move(std::uint64_t from_words, std::uint64_t to_words, std::uint
   const VkDeviceSize to = to_words * 4;
   const VkDeviceSize bytes = count_words * 4;
   ZC_CHECK(std::max(from, to) + bytes <= pool_.bytes());
-  if (auto node = roots_.extract(from_words); !node.empty()) {
-    roots_.erase(to_words);
-    node.key() = to_words;
-    roots_.insert(std::move(node));
+  if (const auto moved = first_from(from_words); moved != residents_.end() && moved->page_word == from_words) {
+    std::unique_ptr<PageRoot> root = std::move(moved->root);
+    residents_.erase(moved);
+    auto at = first_from(to_words);
+    if (at == residents_.end() || at->page_word != to_words) at = residents_.insert(at, {to_words, nullptr});
+    at->root = std::move(root);
   }
   if (!use_staging_) {
     std::memmove(pool_.mapped().data() + to, pool_.mapped().data() + from, bytes);
@@ -108,22 +116,21 @@ Status ZoneSet::move(std::uint64_t from_words, std::uint64_t to_words, std::uint
 
 Status ZoneSet::set_zones(std::span<const gpu::ZoneEntry> zones) {
   ZC_CHECK(zones.size_bytes() <= zones_.bytes());
-  std::vector<TracedPage> pages;
-  pages.reserve(zones.size());
+  traced_.clear();
   triangle_counts_.clear();
+  auto resident = residents_.begin();
   for (const gpu::ZoneEntry& zone : zones) {
-    ZC_CHECK(pages.empty() || pages.back().page_word < zone.page_word);
-    const auto root = roots_.find(zone.page_word);
-    ZC_CHECK(root != roots_.end());
-    pages.push_back({zone.page_word, &root->second});
-    triangle_counts_.push_back(root->second.triangle_count);
+    ZC_CHECK(traced_.empty() || traced_.back().page_word < zone.page_word);
+    while (resident != residents_.end() && resident->page_word < zone.page_word) ++resident;
+    ZC_CHECK(resident != residents_.end() && resident->page_word == zone.page_word);
+    traced_.push_back({zone.page_word, resident->root.get()});
+    triangle_counts_.push_back(resident->root->triangle_count);
   }
-  const TopLevel top = build_top_level(pages, root_word_);
+  top_.build(traced_, root_word_);
   zone_count_ = static_cast<std::uint32_t>(zones.size());
-  top_depth_ = top.depth;
-  top_bytes_ = std::span(top.nodes).size_bytes();
+  end_word_ = root_word_ + static_cast<std::uint32_t>(top_.nodes().size()) * gpu::kPageNodeWords;
   ZC_TRY(write(zones_, 0, std::as_bytes(zones)));
-  return write(pool_, std::uint64_t{root_word_} * 4, std::as_bytes(std::span(top.nodes)));
+  return write(pool_, std::uint64_t{root_word_} * 4, std::as_bytes(top_.nodes()));
 }
 
 }  // namespace zc

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the GPU holds of one set of zones: one pool with the pages, in front, and the top-level BVH over those that are
-// traced, behind them; and the zone table. Pages come and go through upload and move; set_zones then says which of them are
-// traced. The GPU must be idle, which it is between frames: every submission is waited for.
-// Borrows the device. Threads: as the device. Fails when the driver refuses memory.
+// traced, behind them; and the zone table. Pages come and go through upload and move; set_zones then says which of them
+// are traced. The GPU must be idle, which it is between frames: every submission is waited for. Borrows the device.
+// Threads: as the device. Fails when the driver refuses memory.
 #pragma once
 
 #include <cstdint>
-#include <map>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -37,11 +37,11 @@ class ZoneSet {
   [[nodiscard]] std::uint32_t zone_count() const { return zone_count_; }
   // Triangle positions in the page of the zone in a slot.
   [[nodiscard]] std::uint32_t triangle_count(std::uint32_t slot) const { return triangle_counts_.at(slot); }
-  [[nodiscard]] std::uint32_t top_depth() const { return top_depth_; }
-  // What the top level takes of the pool.
-  [[nodiscard]] std::uint64_t top_bytes() const { return top_bytes_; }
+  [[nodiscard]] std::uint32_t top_depth() const { return top_.depth(); }
   // The top level's root, in words of the pool.
   [[nodiscard]] std::uint32_t root_word() const { return root_word_; }
+  // The first word behind the top level.
+  [[nodiscard]] std::uint32_t end_word() const { return end_word_; }
 
  private:
   Status write(const Buffer& target, std::uint64_t offset_bytes, std::span<const std::byte> bytes);
@@ -53,12 +53,19 @@ class ZoneSet {
   Buffer staging_;
   BufferView texels_;
   BufferView texels4_;
-  std::map<std::uint64_t, PageRoot> roots_;  // by page word
+  struct Resident {
+    std::uint64_t page_word;
+    std::unique_ptr<PageRoot> root;
+  };
+  std::vector<Resident>::iterator first_from(std::uint64_t word);
+
+  std::vector<Resident> residents_;  // by page word
+  std::vector<TracedPage> traced_;
+  TopLevelBuilder top_;
   std::vector<std::uint32_t> triangle_counts_;
   std::uint32_t root_word_ = 0;
-  std::uint64_t top_bytes_ = 0;
+  std::uint32_t end_word_ = 0;
   std::uint32_t zone_count_ = 0;
-  std::uint32_t top_depth_ = 1;
 };
 
 }  // namespace zc

@@ -17,6 +17,10 @@ layout(set = 0, binding = kBindRetries, std430) buffer Retries { Retry retries[]
 layout(set = 0, binding = kBindDepth) uniform sampler2D depth_image;
 layout(set = 0, binding = kBindSurface) uniform usampler2D surface_image;
 
+// Whether page_fetch.glsl checks every word that it reads: for tests. Off, no trace of it is left in the pipeline.
+layout(constant_id = 5) const uint kCheckAccess = 0u;
+#define ACCESS_COUNTER counters.out_of_page
+
 // A queued ray, by the path that pages are read by.
 RayTask load_ray(uint index) {
   if (kPoolPath != kPoolTexels) return rays[index];

@@ -7,3 +7,4 @@
 #undef ZONES
 #undef SET_ROOT
 #undef SET_ZONES
+#undef SET_END

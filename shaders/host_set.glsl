@@ -8,3 +8,4 @@
 #define ZONES host_zones
 #define SET_ROOT frame.sets.z
 #define SET_ZONES frame.sets.w
+#define SET_END frame.set_ends.y

@@ -3,12 +3,46 @@
 // Vertices come out as exact floats in lattice units relative to the camera's lattice point: |q + offset| stays below
 // 2^24 steps near the camera.
 
-uint PAGE_NAME(load)(uint word) {
+// The zone that a page belongs to; the zone table is sorted by page.
+ZoneEntry PAGE_NAME(zone_of_page)(uint page_word) {
+  uint low = 0u;
+  for (uint count = SET_ZONES; count > 1u;) {
+    const uint half_count = count >> 1;
+    low = ZONES[low + half_count].page_word <= page_word ? low + half_count : low;
+    count -= half_count;
+  }
+  return ZONES[low];
+}
+
+// With kCheckAccess: `word`, where `count` words from it on lie in the top level or in one of the pages that it leads to;
+// elsewhere the access is counted and goes to word 0 instead.
+uint PAGE_NAME(checked)(uint word, uint count) {
+#ifdef ACCESS_COUNTER
+  if (kCheckAccess == 0u) return word;
+  bool inside = word % count == 0u;
+  if (word >= SET_ROOT) {
+    inside = inside && word < SET_END && count <= SET_END - word;
+  } else {
+    const uint page_word = SET_ZONES > 0u ? PAGE_NAME(zone_of_page)(word).page_word : SET_ROOT;
+    const uint from = word - page_word;
+    const uint size = page_word < SET_ROOT ? POOL[page_word + kPageTotalWord] : 0u;
+    inside = inside && word >= page_word && from < size && count <= size - from;
+  }
+  if (!inside) atomicAdd(ACCESS_COUNTER, 1u);
+  return inside ? word : 0u;
+#else
+  return word;
+#endif
+}
+
+uint PAGE_NAME(load)(uint at) {
+  const uint word = PAGE_NAME(checked)(at, 1u);
   return kPoolPath == kPoolTexels ? texelFetch(TEXELS, int(word)).x : POOL[word];
 }
 
-// `word` is a multiple of four.
-uvec4 PAGE_NAME(load4)(uint word) {
+// `at` is a multiple of four.
+uvec4 PAGE_NAME(load4)(uint at) {
+  const uint word = PAGE_NAME(checked)(at, 4u);
   return kPoolPath == kPoolTexels ? texelFetch(TEXELS4, int(word >> 2)) : POOL4[word >> 2];
 }
 
@@ -69,15 +103,4 @@ void PAGE_NAME(fetch_triangle)(uint page_word, uint triangle, out vec3 a, out ve
   }
   const PAGE_NAME(Cluster) cluster = PAGE_NAME(load_cluster)(page_word + PAGE_NAME(load)(low + 1u));
   PAGE_NAME(fetch_corners)(cluster, triangle - cluster.first_triangle, a, b, c, material);
-}
-
-// The zone that a page belongs to; the zone table is sorted by page.
-ZoneEntry PAGE_NAME(zone_of_page)(uint page_word) {
-  uint low = 0u;
-  for (uint count = SET_ZONES; count > 1u;) {
-    const uint half_count = count >> 1;
-    low = ZONES[low + half_count].page_word <= page_word ? low + half_count : low;
-    count -= half_count;
-  }
-  return ZONES[low];
 }

@@ -8,3 +8,4 @@
 #define ZONES proxy_zones
 #define SET_ROOT frame.sets.x
 #define SET_ZONES frame.sets.y
+#define SET_END frame.set_ends.x

@@ -7,7 +7,7 @@ layout(constant_id = 0) const int kStackSize = 32;  // from the data: deepest pa
 
 // Nodes a ray may visit; a heavy ray of a city takes some fifty. With up to 32 triangles a node this stays below the 65,535
 // iterations over all loops after which lavapipe ends them silently.
-const int kStepLimit = 2000;
+const int kStepLimit = 1900;
 
 struct TraceRay {
   vec3 origin;  // metres, relative to camera_lattice

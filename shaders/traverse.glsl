@@ -19,7 +19,7 @@ TraceHit PAGE_NAME(trace)(TraceRay ray, bool any) {
   const vec3 sheared_plane = permute(unpack_normal(ray.leaves), shear.longest);
   const float climb = climb_of(shear.scale, sheared_plane);
   const uint octant = direction_octant(ray.direction);
-  const bvec3 backward = lessThan(ray.direction, vec3(0.0));
+  const bvec3 backward = lessThan(reciprocal, vec3(0.0));  // as the slab test sees it: -0 runs backwards
   const float t_min = ray.t_min * per_m;
   float t_max = ray.t_max * per_m;
   uint best = kHitNone;

@@ -26,9 +26,15 @@ std::unique_ptr<TraceEngine> zonecast(const EngineContext& context, std::string_
                               context.threads);
 }
 
-std::unique_ptr<TraceEngine> thesis(const EngineContext& context, std::string_view /*name*/) { return make_thesis_engine(*context.device); }
-std::unique_ptr<TraceEngine> bvh2(const EngineContext& context, std::string_view /*name*/) { return make_bvh2_engine(*context.device); }
-std::unique_ptr<TraceEngine> ray_query(const EngineContext& context, std::string_view /*name*/) { return make_ray_query_engine(*context.device); }
+std::unique_ptr<TraceEngine> thesis(const EngineContext& context, std::string_view /*name*/) {
+  return make_thesis_engine(*context.device);
+}
+std::unique_ptr<TraceEngine> bvh2(const EngineContext& context, std::string_view /*name*/) {
+  return make_bvh2_engine(*context.device);
+}
+std::unique_ptr<TraceEngine> ray_query(const EngineContext& context, std::string_view /*name*/) {
+  return make_ray_query_engine(*context.device);
+}
 
 std::string_view missing_embree(const EngineContext& /*context*/) {
   return has_embree() ? "" : "built without Embree 3";
@@ -40,9 +46,9 @@ std::unique_ptr<TraceEngine> embree(const EngineContext& context, std::string_vi
 }
 
 constexpr std::array kEngines = {
-    EngineEntry{"zonecast/packets", true, missing_builder, zonecast<4, gpu::kPoolTexels>},
-    EngineEntry{"zonecast/packets8", true, missing_builder, zonecast<8, gpu::kPoolTexels>},
-    EngineEntry{"zonecast/packets_storage", true, missing_builder, zonecast<4, gpu::kPoolStorage>},
+    EngineEntry{"zonecast/packets", true, missing_builder, zonecast<8, gpu::kPoolTexels>},
+    EngineEntry{"zonecast/packets_32", true, missing_builder, zonecast<4, gpu::kPoolTexels>},
+    EngineEntry{"zonecast/packets_storage", true, missing_builder, zonecast<8, gpu::kPoolStorage>},
     EngineEntry{"zonecast/single", true, missing_builder, zonecast<0, gpu::kPoolTexels>},
     EngineEntry{"zonecast/single_storage", true, missing_builder, zonecast<0, gpu::kPoolStorage>},
     EngineEntry{"thesis", true, nothing, thesis},

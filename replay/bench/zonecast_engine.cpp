@@ -109,7 +109,7 @@ class ZonecastEngine final : public TraceEngine {
     const auto start = std::chrono::steady_clock::now();
     ZC_TRY(zones_.set_zones(entries));
     figures_.build_ms += ms_since(start);
-    figures_.bytes = 4 * words + zones_.top_bytes();
+    figures_.bytes = 4 * (words + zones_.end_word() - zones_.root_word());
     entries_ = std::move(entries);
     return {};
   }

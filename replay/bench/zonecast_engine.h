@@ -28,7 +28,7 @@ using PageBuilder = std::function<Result<ZonePage>(const ZoneMesh& mesh, NodeRec
 
 struct ZonecastVariant {
   std::string name;
-  std::uint32_t rays_per_lane = 4;              // of packets; 0: rays one by one
+  std::uint32_t rays_per_lane = 8;             // of packets; 0: rays one by one
   std::uint32_t pool_path = gpu::kPoolTexels;  // or kPoolStorage
 };
 

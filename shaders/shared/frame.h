@@ -40,9 +40,9 @@ ZC_CONST(uint, kBindPixels, 12u);      // uint: reflective pixels
 ZC_CONST(uint, kBindRays, 13u);        // RayTask
 ZC_CONST(uint, kBindHits, 14u);        // HitRecord
 ZC_CONST(uint, kBindCounters, 15u);
-ZC_CONST(uint, kBindOutput, 16u);    // uint a pixel: RGBA8 sRGB
-ZC_CONST(uint, kBindDepth, 17u);     // sampled: reversed-Z depth
-ZC_CONST(uint, kBindSurface, 18u);   // sampled: octahedral normal, material
+ZC_CONST(uint, kBindOutput, 16u);   // uint a pixel: RGBA8 sRGB
+ZC_CONST(uint, kBindDepth, 17u);    // sampled: reversed-Z depth
+ZC_CONST(uint, kBindSurface, 18u);  // sampled: octahedral normal, material
 // The pools once more as texel buffers of one and of four words: on some drivers a fetch is several times faster than a
 // load from a storage buffer (measured: Mesa 22.3 lavapipe, 2.4 times for a whole traversal).
 ZC_CONST(uint, kBindProxyTexels, 19u);
@@ -50,7 +50,7 @@ ZC_CONST(uint, kBindProxyTexels4, 20u);
 ZC_CONST(uint, kBindHostTexels, 21u);
 ZC_CONST(uint, kBindHostTexels4, 22u);
 ZC_CONST(uint, kBindRayTexels4, 23u);  // the ray queue, as texels of four words
-ZC_CONST(uint, kBindRetries, 24u);    // Retry
+ZC_CONST(uint, kBindRetries, 24u);     // Retry
 
 ZC_CONST(uint, kHizLevels, 12u);
 
@@ -69,10 +69,12 @@ struct FrameData {
   ivec4 camera_lattice;          // lattice position all positions are relative to
   uvec4 size;                    // width, height, hiz levels, SSR step limit
   uvec4 sets;                    // proxies: root node's word in the pool, zones; host: the same
+  uvec4 set_ends;                // first words behind the top levels: proxies, host
   uvec4 hiz_offset[kHizLevels];  // x = first float, y = width, z = height
 };
 
-// Small, because a packet reads sixty-four: the pixel that a ray is for waits in its HitRecord, and all are equally long.
+// Small, because a packet reads sixty-four: the pixel that a ray is for waits in its HitRecord, and all are equally
+// long.
 struct RayTask {
   float origin_x;  // metres, relative to camera_lattice
   float origin_y;
@@ -81,7 +83,8 @@ struct RayTask {
   float dir_x;  // unit
   float dir_y;
   float dir_z;
-  uint leaves;  // normal, as wound, of the surface that the ray leaves (octahedral.glsl), or kNoSurface: every hit counts
+  uint leaves;  // normal, as wound, of the surface that the ray leaves (octahedral.glsl), or kNoSurface: every hit
+                // counts
 };
 ZC_CONST(uint, kNoSurface, 0x80008000u);  // no normal is packed so
 
@@ -124,6 +127,7 @@ struct Counters {
   uint retry_groups_x;  // and of the rays that packets gave back
   uint retry_groups_y;
   uint retry_groups_z;
+  uint out_of_page;  // words asked for outside the pages and the top level; counted only with kCheckAccess
 };
 
 // Where a pixel's reflected colour came from; the zone's node index lies above kSourceBits.
@@ -152,8 +156,8 @@ ZC_SHARED_END
 static_assert(sizeof(zc::gpu::RayTask) == 32);
 static_assert(sizeof(zc::gpu::HitRecord) == 12);
 static_assert(sizeof(zc::gpu::Retry) == 12);
-static_assert(sizeof(zc::gpu::Counters) == 80);
-static_assert(sizeof(zc::gpu::FrameData) == 64 + 9 * 16 + 16 * zc::gpu::kHizLevels);
+static_assert(sizeof(zc::gpu::Counters) == 84);
+static_assert(sizeof(zc::gpu::FrameData) == 64 + 10 * 16 + 16 * zc::gpu::kHizLevels);
 #endif
 
 #endif

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packing and unpacking the boxes of a PageNode, for C++: the baker writes nodes, the loader checks them and the runtime
-// builds the top level out of them. Boxes are inclusive, in world lattice units; packing rounds outwards, so that a box
-// read back contains the box that was written. Source: Ylitie, Karras & Laine 2017, section 3.1.
+// Packing and unpacking the boxes of a PageNode, for C++: the baker writes nodes, the loader checks them and the
+// runtime builds the top level out of them. Boxes are inclusive, in world lattice units; packing rounds outwards, so
+// that a box read back contains the box that was written. Source: Ylitie, Karras & Laine 2017, section 3.1.
 // Thread-safe: no state.
 #pragma once
 
@@ -9,6 +9,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <span>
 
@@ -90,15 +91,19 @@ struct WideNodeBox {
   std::array<std::int32_t, 3> origin{};
   std::uint32_t exponents = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    std::uint32_t e = 0;
+    const auto extent = static_cast<std::uint64_t>(std::int64_t{all.max[axis]} - all.min[axis]);
+    std::uint32_t e = extent > 255 ? static_cast<std::uint32_t>(std::bit_width(extent)) - 8 : 0;  // no less would do
     while (up(all.max[axis], e) - down(all.min[axis], e) > 255) ++e;
     exponents |= e << (5 * axis);
     const std::int64_t base = down(all.min[axis], e);
     origin[axis] = static_cast<std::int32_t>(base << e);
+    // From the grid's first plane, where no number is negative.
+    const auto from = [&](std::int32_t v) { return static_cast<std::uint64_t>(v - (base << e)); };
     for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
       const bool used = !boxes[slot].empty();
-      const auto low = used ? static_cast<std::uint32_t>(down(boxes[slot].min[axis], e) - base) : 255U;
-      const auto high = used ? static_cast<std::uint32_t>(up(boxes[slot].max[axis], e) - base) : 0U;
+      const auto low = used ? static_cast<std::uint32_t>(from(boxes[slot].min[axis]) >> e) : 255U;
+      const auto high =
+          used ? static_cast<std::uint32_t>((from(boxes[slot].max[axis]) + (std::uint64_t{1} << e) - 1) >> e) : 0U;
       planes[2 * axis + slot / 4] |= low << (8 * (slot & 3U));
       planes[6 + 2 * axis + slot / 4] |= high << (8 * (slot & 3U));
     }
@@ -114,8 +119,8 @@ struct WideNodeBox {
   return node;
 }
 
-// Which child goes to which slot, so that `slot ^ octant` is roughly front to back for rays of every octant (bit a of the
-// octant: the ray runs backwards along axis a): greedily by how far a child's centre lies towards a slot's corner.
+// Which child goes to which slot, so that `slot ^ octant` is roughly front to back for rays of every octant (bit a of
+// the octant: the ray runs backwards along axis a): greedily by how far a child's centre lies towards a slot's corner.
 // Returns the child in each slot, or -1. At most eight children.
 [[nodiscard]] inline std::array<int, gpu::kNodeWidth> assign_slots(std::span<const NodeBox> children) {
   std::array<int, gpu::kNodeWidth> child_of_slot;
@@ -126,27 +131,36 @@ struct WideNodeBox {
   for (std::size_t c = 0; c < children.size(); ++c)
     for (std::size_t axis = 0; axis < 3; ++axis)
       center[c][axis] = std::int64_t{children[c].min[axis]} + children[c].max[axis] - all.min[axis] - all.max[axis];
-  std::array<bool, gpu::kNodeWidth> placed{};
+  // The free slot that each child would have, and how much it wants it; of equal slots the first. That is the corner it
+  // lies towards, unless another child has it already.
+  std::array<std::int64_t, gpu::kNodeWidth> want{};
+  std::array<std::size_t, gpu::kNodeWidth> wanted{};
+  constexpr std::int64_t kPlaced = std::numeric_limits<std::int64_t>::min();
+  for (std::size_t c = 0; c < children.size(); ++c) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      want[c] += std::abs(center[c][axis]);
+      wanted[c] |= (center[c][axis] > 0 ? std::size_t{1} : 0) << axis;
+    }
+  }
   for (std::size_t round = 0; round < children.size(); ++round) {
-    std::int64_t best = std::numeric_limits<std::int64_t>::min();
-    std::size_t best_child = 0;
-    std::size_t best_slot = 0;
+    std::size_t best = 0;
+    for (std::size_t c = 1; c < children.size(); ++c)
+      if (want[c] > want[best]) best = c;
+    const std::size_t taken = wanted[best];
+    child_of_slot[taken] = static_cast<int>(best);
+    want[best] = kPlaced;
     for (std::size_t c = 0; c < children.size(); ++c) {
-      if (placed[c]) continue;
+      if (want[c] == kPlaced || wanted[c] != taken) continue;
+      want[c] = kPlaced;
       for (std::size_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
-        if (child_of_slot[slot] >= 0) continue;
         std::int64_t towards = 0;
         for (std::size_t axis = 0; axis < 3; ++axis)
           towards += (slot >> axis & 1U) != 0 ? center[c][axis] : -center[c][axis];
-        if (towards > best) {
-          best = towards;
-          best_child = c;
-          best_slot = slot;
-        }
+        if (child_of_slot[slot] >= 0 || towards <= want[c]) continue;
+        want[c] = towards;
+        wanted[c] = slot;
       }
     }
-    placed[best_child] = true;
-    child_of_slot[best_slot] = static_cast<int>(best_child);
   }
   return child_of_slot;
 }

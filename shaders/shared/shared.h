@@ -5,6 +5,7 @@
 #define ZC_SHADERS_SHARED_SHARED_H
 
 #ifdef __cplusplus
+#include <cstddef>
 #include <cstdint>
 #define ZC_SHARED_BEGIN namespace zc::gpu {
 #define ZC_SHARED_END }

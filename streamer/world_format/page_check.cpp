@@ -34,7 +34,8 @@ class PageCheck {
       ZC_TRY(check_children(i, node));
       ZC_TRY(check_leaves(i, node, positions));
     }
-    if (deepest != header_.depth) return fault("depth differs from its header", kWord(offsetof(gpu::PageHeader, depth)));
+    if (deepest != header_.depth)
+      return fault("depth differs from its header", kWord(offsetof(gpu::PageHeader, depth)));
     if (positions != header_.triangle_count) return fault("a triangle is in no leaf", header_.entries_offset_words);
     return {};
   }
@@ -64,8 +65,7 @@ class PageCheck {
     const std::uint64_t palette_words = (std::uint64_t{h.palette_count} + 1) / 2;
     const std::uint64_t end = h.palette_offset_words + palette_words;
     if (h.entries_offset_words < clusters_word_ ||
-        h.palette_offset_words !=
-            h.entries_offset_words + std::uint64_t{gpu::kClusterEntryWords} * h.cluster_count ||
+        h.palette_offset_words != h.entries_offset_words + std::uint64_t{gpu::kClusterEntryWords} * h.cluster_count ||
         h.palette_count == 0)
       return fault("a part is not where it belongs", 5);
     if (h.total_words != page_.size() || page_.size() % gpu::kPageAlignWords != 0 || end > page_.size() ||
@@ -89,7 +89,8 @@ class PageCheck {
       if (triangles == 0 || vertices == 0 || vertices > gpu::kClusterMaxVertices ||
           at + words > header_.entries_offset_words)
         return fault("cluster out of range", at);
-      if (!std::isfinite(cluster.error_m) || cluster.error_m < 0) return fault("an error bound is not a number", at + 4);
+      if (!std::isfinite(cluster.error_m) || cluster.error_m < 0)
+        return fault("an error bound is not a number", at + 4);
       if (cluster.page_back_words != at || cluster.first_triangle != position)
         return fault("a cluster does not know its place", at + 5);
       const std::uint64_t palette = at + cluster.palette_words;
@@ -130,6 +131,7 @@ class PageCheck {
       if ((leaves >> slot & 1U) != 0 ? count == 0 || count > gpu::kLeafMaxTriangles : count != 0)
         return fault("a leaf's size is out of range", word + 6);
       triangles += count;
+      if (used && !on_lattice(child_box(node, slot))) return fault("a box leaves the lattice", word + 3);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::uint32_t low = planes[2 * axis + slot / 4] >> (8 * (slot & 3U)) & 0xFFU;
         const std::uint32_t high = planes[6 + 2 * axis + slot / 4] >> (8 * (slot & 3U)) & 0xFFU;
@@ -144,9 +146,11 @@ class PageCheck {
   Status check_children(std::uint32_t i, const gpu::PageNode& node) {
     const std::size_t word = PageView::node_word(i);
     const std::uint32_t inner = inner_mask(node);
-    if (inner == 0) return node.child_offset == 0 ? Status{} : Status{fault("a node has children without a slot", word + 4)};
+    if (inner == 0)
+      return node.child_offset == 0 ? Status{} : Status{fault("a node has children without a slot", word + 4)};
     std::uint64_t child = std::uint64_t{i} + node.child_offset / gpu::kPageNodeWords;
-    if (node.child_offset == 0 || node.child_offset % gpu::kPageNodeWords != 0) return fault("child out of place", word + 4);
+    if (node.child_offset == 0 || node.child_offset % gpu::kPageNodeWords != 0)
+      return fault("child out of place", word + 4);
     for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
       if ((inner >> slot & 1U) == 0) continue;
       if (child >= header_.node_count) return fault("child out of range", word + 4);
@@ -193,6 +197,7 @@ class PageCheck {
         position_seen_[position] = true;
         ++positions;
         const WideNodeBox content = bounds(cluster, page_[first_word + position - first], vertices);
+        if (!on_lattice(content)) return fault("a triangle leaves the lattice", first_word + position - first);
         if ((header_.flags & gpu::kPageSplitTriangles) != 0 ? !overlaps(box, content) : !contains(box, content))
           return fault("a box does not contain its triangles", word);
       }
@@ -211,7 +216,8 @@ class PageCheck {
     return low;
   }
 
-  [[nodiscard]] WideNodeBox bounds(const gpu::ClusterHeader& cluster, std::uint32_t packed, std::size_t vertices) const {
+  [[nodiscard]] WideNodeBox bounds(const gpu::ClusterHeader& cluster, std::uint32_t packed,
+                                   std::size_t vertices) const {
     const std::array<std::int64_t, 3> origin = {cluster.origin_x, cluster.origin_y, cluster.origin_z};
     WideNodeBox box{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -229,6 +235,11 @@ class PageCheck {
     return box;
   }
 
+  // Beyond it 32-bit coordinates wrap round: what is there would vanish from the top level. Origins are inside, and all
+  // that counts from them counts upwards.
+  static bool on_lattice(const WideNodeBox& box) {
+    return std::ranges::all_of(box.max, [](std::int64_t v) { return v <= INT32_MAX; });
+  }
   static bool contains(const WideNodeBox& outer, const WideNodeBox& inner) {
     for (std::size_t axis = 0; axis < 3; ++axis)
       if (inner.min[axis] < outer.min[axis] || inner.max[axis] > outer.max[axis]) return false;

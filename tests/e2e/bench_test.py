@@ -12,8 +12,10 @@ import support
 ARGUMENTS = 2
 FAILURE = 1
 SIZE = "160x90"
+OURS = {"zonecast/packets", "zonecast/packets_32", "zonecast/packets_storage", "zonecast/single",
+        "zonecast/single_storage"}
 PEERS = {"thesis", "bvh2", "ray_query", "embree", "embree_robust"}
-NEED_NO_MORE_THAN_VULKAN = {"thesis", "bvh2"}
+NEED_NO_MORE_THAN_VULKAN = OURS | {"thesis", "bvh2"}
 
 
 def write_floats(path, values):
@@ -128,6 +130,20 @@ class Bench(support.Case):
         self.assertEqual(len(table), 4)
         self.assertIn("mismatches", table[1])
         self.assertEqual([line.split()[1] for line in table[2:]], ["thesis", "bvh2"])
+
+    def test_the_top_level_is_timed_over_any_number_of_zones(self):
+        for zones in (1, 40):
+            report = json.loads(self.zonecast("bench", "top-level", self.world, "--zones", zones, "--repeat", 3,
+                                              "--json", "-"))
+            self.assertEqual(report["zones"], zones)
+            self.assertEqual([row["engine"] for row in report["rows"]], ["top_level", "set_zones"])
+            for row in report["rows"]:
+                self.assertGreater(row["build_ms"], 0)
+                self.assertGreaterEqual(row["p95_ms"], row["build_ms"])
+                self.assertGreaterEqual(row["nodes"], zones)
+                self.assertGreaterEqual(row["cost"], 1)
+        self.assert_refused(["bench", "top-level", self.folder / "none"], FAILURE, "none")
+        self.assert_refused(["bench", "top-level", self.world, "--zones", "0"], ARGUMENTS)
 
     def test_bad_files(self):
         good = ["bench", "trace", "--engines", "bvh2", "--triangles", self.triangles]

@@ -57,8 +57,8 @@ double intersect(const OracleTriangle& triangle, const glm::dvec3& origin, const
   return glm::dot(n, a) / facing;
 }
 
-// Two thirds at random; the others in bundles as a flat mirror sends them, which packets are made of. A tenth runs along
-// axes and in axis planes.
+// Two thirds at random; the others in bundles as a flat mirror sends them, which packets are made of. A tenth runs
+// along axes and in axis planes.
 std::vector<gpu::RayTask> make_rays(const glm::dvec3& half) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> unit(-1, 1);
@@ -147,6 +147,8 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
     }
   }
 
+  std::uint32_t deepest = 1;
+  for (const NodeRecord& node : index.nodes) deepest = std::max(deepest, node.bvh_depth);
   // Every way that the kernels can be specialised finds the same.
   std::vector<TracedHit> first_hits;
   for (const std::uint32_t path : {gpu::kPoolStorage, gpu::kPoolTexels}) {
@@ -154,6 +156,7 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
       SCOPED_TRACE("path " + std::to_string(path) + ", " + std::to_string(rays_per_lane) + " rays a lane");
       options.pool_path = path;
       options.rays_per_lane = rays_per_lane;
+      options.page_depth = deepest;  // deeper pages are traced ray by ray
       const Status remade = world.remake_renderer(options);
       ASSERT_TRUE(remade.ok()) << remade.error().describe();
       double milliseconds = 0;

@@ -41,18 +41,19 @@ const std::map<std::string, Layout>& host_layouts() {
       {"Retry", {sizeof(zc::gpu::Retry), {AT(Retry, first_ray), AT(Retry, mask_low), AT(Retry, mask_high)}}},
       {"Counters",
        {sizeof(zc::gpu::Counters),
-        {AT(Counters, ssr_groups_x), AT(Counters, ssr_groups_y), AT(Counters, ssr_groups_z),
-         AT(Counters, trace_groups_x), AT(Counters, trace_groups_y), AT(Counters, trace_groups_z),
-         AT(Counters, pixel_count), AT(Counters, ray_count), AT(Counters, rays_screen), AT(Counters, rays_proxy),
-         AT(Counters, rays_proxy_coarse), AT(Counters, rays_sky), AT(Counters, rays_lost),
-         AT(Counters, retry_count), AT(Counters, packet_groups_x), AT(Counters, packet_groups_y),
-         AT(Counters, packet_groups_z), AT(Counters, retry_groups_x), AT(Counters, retry_groups_y),
-         AT(Counters, retry_groups_z)}}},
+        {AT(Counters, ssr_groups_x),    AT(Counters, ssr_groups_y),      AT(Counters, ssr_groups_z),
+         AT(Counters, trace_groups_x),  AT(Counters, trace_groups_y),    AT(Counters, trace_groups_z),
+         AT(Counters, pixel_count),     AT(Counters, ray_count),         AT(Counters, rays_screen),
+         AT(Counters, rays_proxy),      AT(Counters, rays_proxy_coarse), AT(Counters, rays_sky),
+         AT(Counters, rays_lost),       AT(Counters, retry_count),       AT(Counters, packet_groups_x),
+         AT(Counters, packet_groups_y), AT(Counters, packet_groups_z),   AT(Counters, retry_groups_x),
+         AT(Counters, retry_groups_y),  AT(Counters, retry_groups_z),    AT(Counters, out_of_page)}}},
       {"FrameData",
        {sizeof(zc::gpu::FrameData),
         {AT(FrameData, view_projection), AT(FrameData, eye), AT(FrameData, right), AT(FrameData, up),
          AT(FrameData, forward), AT(FrameData, sun_direction), AT(FrameData, sun_radiance),
-         AT(FrameData, camera_lattice), AT(FrameData, size), AT(FrameData, sets), AT(FrameData, hiz_offset)}}}};
+         AT(FrameData, camera_lattice), AT(FrameData, size), AT(FrameData, sets), AT(FrameData, set_ends),
+         AT(FrameData, hiz_offset)}}}};
   return layouts;
 }
 
@@ -114,8 +115,8 @@ TEST(SharedLayout, EveryStructHasTheOffsetsThatTheShadersUse) {
   std::map<std::string, int> seen;
   for (const auto& shader : {zc::shader::draw_zone_vert(), zc::shader::draw_lines_vert(), zc::shader::light_surfaces(),
                              zc::shader::reduce_depth(), zc::shader::classify_pixels(), zc::shader::size_dispatch(),
-                             zc::shader::march_screen(), zc::shader::trace_packets(), zc::shader::trace_rays(), zc::shader::shade_hits(),
-                             zc::shader::composite_frame(), zc::shader::show_debug()}) {
+                             zc::shader::march_screen(), zc::shader::trace_packets(), zc::shader::trace_rays(),
+                             zc::shader::shade_hits(), zc::shader::composite_frame(), zc::shader::show_debug()}) {
     for (const auto& [name, count] : compare_blocks(shader)) seen[name] += count;
   }
   for (const auto& [name, layout] : host_layouts()) EXPECT_GT(seen[name], 0) << name << " is in no shader";

@@ -31,7 +31,9 @@ class Pool {
       for (std::size_t a = 0; a < 3; ++a) {
         const auto extent = static_cast<std::uint32_t>(box.max[a] - box.min[a]) + 1;
         boxes[i].min[a] = box.min[a] + static_cast<std::int32_t>(random() % extent);
-        boxes[i].max[a] = boxes[i].min[a] + static_cast<std::int32_t>(random() % static_cast<std::uint32_t>(box.max[a] - boxes[i].min[a] + 1));
+        boxes[i].max[a] =
+            boxes[i].min[a] +
+            static_cast<std::int32_t>(random() % static_cast<std::uint32_t>(box.max[a] - boxes[i].min[a] + 1));
       }
     }
     const std::uint32_t triangles = page_word + gpu::kPageHeaderWords + node_count * gpu::kPageNodeWords;
@@ -61,20 +63,37 @@ class Pool {
     std::vector<TracedPage> pages;
     for (std::size_t i = 0; i < roots.size(); ++i) pages.push_back({page_words_[i], &roots[i]});
     const auto first = static_cast<std::uint32_t>((words_.size() + 3) / 4 * 4);
-    const TopLevel top = build_top_level(pages, first);
+    TopLevelBuilder top;
+    top.build(pages, first);
+    // As every builder does, whatever it has built before.
+    TopLevelBuilder other;
+    other.build(std::span(pages).first(pages.size() / 2), 4 * first);
+    other.build(pages, first);
+    ASSERT_EQ(other.nodes().size(), top.nodes().size());
+    EXPECT_EQ(std::memcmp(other.nodes().data(), top.nodes().data(), top.nodes().size_bytes()), 0);
+    EXPECT_EQ(other.depth(), top.depth());
     const auto count = static_cast<std::uint32_t>(pages.size());
-    EXPECT_LE(top.nodes.size(), top_level_node_bound(count));
-    words_.resize(first + top.nodes.size() * gpu::kPageNodeWords);
-    for (std::uint32_t i = 0; i < top.nodes.size(); ++i) put(first + i * gpu::kPageNodeWords, top.nodes[i]);
+    EXPECT_LE(top.nodes().size(), top_level_node_bound(count));
+    words_.resize(first + top.nodes().size() * gpu::kPageNodeWords);
+    top_leaves_ = 0;
+    for (std::uint32_t i = 0; i < top.nodes().size(); ++i) {
+      const gpu::PageNode& node = top.nodes()[i];
+      const bool leads_on = inner_mask(node) != 0 && first + i * gpu::kPageNodeWords + node.child_offset >= first;
+      top_leaves_ += leads_on || pages.empty() ? 0 : 1;
+    }
+    for (std::uint32_t i = 0; i < top.nodes().size(); ++i) put(first + i * gpu::kPageNodeWords, top.nodes()[i]);
     found_.clear();
     deepest_ = 0;
     visit(first, 1);
     EXPECT_EQ(found_, expected_);
     if (!pages.empty()) {
-      EXPECT_EQ(deepest_, top.depth);
+      EXPECT_EQ(deepest_, top.depth());
     }
-    EXPECT_LE(top.depth, top_level_depth_bound(count) + 2);
+    EXPECT_LE(top.depth(), top_level_depth_bound(count) + 2);
   }
+
+  // Copies of pages' nodes in the top level, after expect_sound.
+  [[nodiscard]] std::uint32_t top_leaves() const { return top_leaves_; }
 
  private:
   void put(std::uint32_t word, const gpu::PageNode& node) { std::memcpy(words_.data() + word, &node, sizeof node); }
@@ -112,6 +131,7 @@ class Pool {
   std::vector<std::uint32_t> page_words_;
   std::map<std::uint32_t, int> expected_, found_;
   std::uint32_t deepest_ = 0;
+  std::uint32_t top_leaves_ = 0;
 };
 
 NodeBox random_box(std::mt19937& random, std::uint32_t spread, std::uint32_t size) {
@@ -133,6 +153,23 @@ TEST(TopLevel, ReachesEveryTriangleOfEveryPageOnceWithinItsBoxes) {
       pool.add_page(random_box(random, 2000000, 60000), leaves + inner == 0 ? 1 : leaves, inner, random);
     }
     pool.expect_sound();
+  }
+}
+
+// Two pages across each other: the top level sorts their parts, so that most of what it leads to is of one half.
+TEST(TopLevel, OpensLargePagesAndNoMoreThanItHasRoomFor) {
+  std::mt19937 random(5);
+  for (const std::uint32_t count : {1U, 2U, 30U, 200U}) {
+    Pool pool;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const auto size = static_cast<std::int32_t>(i % 10 == 0 ? 100000 : 100);
+      pool.add_page({{0, 0, 0}, {size, size, size}}, 2, 6, random);
+    }
+    pool.expect_sound();
+    // An opened page has six parts and what is left of its root.
+    const std::uint32_t opened = (pool.top_leaves() - count) / 6;
+    EXPECT_EQ(pool.top_leaves(), count + 6 * opened);
+    EXPECT_EQ(opened, count == 1 ? 0 : std::min(count, (count / 2 + 8) / 6));
   }
 }
 

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <random>
 
-#include "streamer/streamer.h"
 #include "shaders/shared/page_node.h"
+#include "streamer/streamer.h"
 #include "streamer/world_format/bvh_page.h"
 #include "streamer/world_format/page_view.h"
 #include "streamer/world_format/world_index.h"
@@ -211,39 +211,57 @@ TEST(Page, check_finds_wrong_boxes_references_depths_and_materials) {
     page[word] = value;
     return !verify_page(page, 2, "p").ok();
   };
-  EXPECT_TRUE(refused(0, 0));                 // magic
-  EXPECT_TRUE(refused(1, 2));                 // flags
-  EXPECT_TRUE(refused(2, good[2] - 1));       // a node more than it says
-  EXPECT_TRUE(refused(8, good[8] - 1));       // depth
-  EXPECT_TRUE(refused(8, good[8] + 1));       //
-  EXPECT_TRUE(refused(10, 1));                // reserved
+  EXPECT_TRUE(refused(0, 0));            // magic
+  EXPECT_TRUE(refused(1, 2));            // flags
+  EXPECT_TRUE(refused(2, good[2] - 1));  // a node more than it says
+  EXPECT_TRUE(refused(8, good[8] - 1));  // depth
+  EXPECT_TRUE(refused(8, good[8] + 1));  //
+  EXPECT_TRUE(refused(10, 1));           // reserved
   const std::size_t root = PageView::node_word(0);
-  EXPECT_TRUE(refused(root + 0, good[root] + 1000));             // boxes that leave out what they hold
-  EXPECT_TRUE(refused(root + 3, good[root + 3] - 1));            //
-  EXPECT_TRUE(refused(root + 4, 0));                             // a cycle
-  EXPECT_TRUE(refused(root + 4, good[root + 4] + 1));            // between two nodes
-  EXPECT_TRUE(refused(root + 4, 0xFFFFFFF0));                    // backwards
-  EXPECT_TRUE(refused(root + 4, good[root + 4] + 20));           // a subtree left out
-  EXPECT_TRUE(refused(root + 3, good[root + 3] ^ 1U << 16U));    // a child that is missing
-  EXPECT_TRUE(refused(root + 3, good[root + 3] ^ 1U << 24U));    // both node and leaf
+  EXPECT_TRUE(refused(root + 0, good[root] + 1000));           // boxes that leave out what they hold
+  EXPECT_TRUE(refused(root + 3, good[root + 3] - 1));          //
+  EXPECT_TRUE(refused(root + 4, 0));                           // a cycle
+  EXPECT_TRUE(refused(root + 4, good[root + 4] + 1));          // between two nodes
+  EXPECT_TRUE(refused(root + 4, 0xFFFFFFF0));                  // backwards
+  EXPECT_TRUE(refused(root + 4, good[root + 4] + 20));         // a subtree left out
+  EXPECT_TRUE(refused(root + 3, good[root + 3] ^ 1U << 16U));  // a child that is missing
+  EXPECT_TRUE(refused(root + 3, good[root + 3] ^ 1U << 24U));  // both node and leaf
   std::uint32_t leafy = 0;
   while (leaf_mask(view.node(leafy)) == 0) ++leafy;
   const std::size_t leaf = PageView::node_word(leafy);
-  EXPECT_TRUE(refused(leaf + 5, good[leaf + 5] + 1));            // another node's triangle
-  EXPECT_TRUE(refused(leaf + 7, good[leaf + 7] + 4));            // no cluster's place
-  EXPECT_TRUE(refused(leaf + 6, good[leaf + 6] + 1));            // a triangle too many
-  EXPECT_TRUE(refused(leaf + 6, good[leaf + 6] | 9));            //
+  EXPECT_TRUE(refused(leaf + 5, good[leaf + 5] + 1));  // another node's triangle
+  EXPECT_TRUE(refused(leaf + 7, good[leaf + 7] + 4));  // no cluster's place
+  EXPECT_TRUE(refused(leaf + 6, good[leaf + 6] + 1));  // a triangle too many
+  EXPECT_TRUE(refused(leaf + 6, good[leaf + 6] | 9));  //
   const std::size_t cluster = view.entry(1).offset_words;
-  EXPECT_TRUE(refused(cluster + 3, good[cluster + 3] - 8));      // vertices too few
-  EXPECT_TRUE(refused(cluster + 3, good[cluster + 3] + 512));    // a triangle too many
-  EXPECT_TRUE(refused(cluster + 4, 0x7FC00000));                 // an error that is no number
-  EXPECT_TRUE(refused(cluster + 5, good[cluster + 5] + 4));      // another page's start
+  EXPECT_TRUE(refused(cluster + 3, good[cluster + 3] - 8));    // vertices too few
+  EXPECT_TRUE(refused(cluster + 3, good[cluster + 3] + 512));  // a triangle too many
+  EXPECT_TRUE(refused(cluster + 4, 0x7FC00000));               // an error that is no number
+  EXPECT_TRUE(refused(cluster + 5, good[cluster + 5] + 4));    // another page's start
   EXPECT_TRUE(refused(cluster + 6, good[cluster + 6] + 1));
-  EXPECT_TRUE(refused(cluster + 7, good[cluster + 7] + 1000));   // palette
-  EXPECT_TRUE(refused(cluster + 8, good[cluster + 8] | 0xFF));   // vertex 255
+  EXPECT_TRUE(refused(cluster + 7, good[cluster + 7] + 1000));        // palette
+  EXPECT_TRUE(refused(cluster + 8, good[cluster + 8] | 0xFF));        // vertex 255
   EXPECT_TRUE(refused(cluster + 8, good[cluster + 8] | 0xFF000000));  // palette place 255
-  EXPECT_TRUE(refused(header.entries_offset_words + 2, 0));      // cluster table
+  EXPECT_TRUE(refused(header.entries_offset_words + 2, 0));           // cluster table
   EXPECT_TRUE(refused(header.palette_offset_words, 0x00020001));
+}
+
+// A box beyond 32 bits holds all that it should, and yet would come out empty where the top level reads it.
+TEST(Page, check_finds_boxes_that_leave_the_lattice) {
+  const std::vector<std::uint32_t> good = test::page_of(world(), 1);
+  const gpu::PageNode root = PageView(good).node(0);
+  const std::size_t word = PageView::node_word(0);
+  for (const std::uint32_t exponent : {node_exponent(root, 2), 31U}) {
+    std::vector<std::uint32_t> page = good;
+    page[word + 3] |= exponent << 10;
+    for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
+      if (((inner_mask(root) | leaf_mask(root)) >> slot & 1U) == 0) continue;
+      const std::uint32_t byte = 0xFFU << (8 * (slot & 3U));
+      page[word + 12 + slot / 4] &= ~byte;  // from the node's origin
+      page[word + 18 + slot / 4] |= byte;   // as far as the exponent reaches
+    }
+    EXPECT_EQ(verify_page(page, 2, "p").ok(), exponent != 31) << exponent;
+  }
 }
 
 TEST(Page, flips_and_prefixes_are_errors_or_sound_pages) {

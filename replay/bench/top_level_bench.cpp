@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replay/bench/top_level_bench.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "base/check.h"
+#include "replay/world_report.h"
+#include "runtime/zone_set.h"
+#include "shaders/shared/page_node.h"
+#include "streamer/page_loader.h"
+#include "streamer/world_format/page_view.h"
+
+namespace zc::bench {
+namespace {
+
+RootPage cut_to_root(std::span<const std::uint32_t> page) {
+  gpu::PageHeader header = PageView(page).header();
+  const PageRoot root = page_root(page);
+  const auto children = static_cast<std::size_t>(std::popcount(inner_mask(root.root)));
+  RootPage out(gpu::kPageHeaderWords + (1 + children) * gpu::kPageNodeWords);
+  header.total_words = static_cast<std::uint32_t>(out.size());
+  std::memcpy(out.data(), &header, sizeof header);
+  gpu::PageNode node = root.root;
+  if (children > 0) node.child_offset = gpu::kPageNodeWords;
+  std::memcpy(out.data() + gpu::kPageHeaderWords, &node, sizeof node);
+  std::memcpy(out.data() + gpu::kPageHeaderWords + gpu::kPageNodeWords, root.children.data(),
+              children * sizeof(gpu::PageNode));
+  return out;
+}
+
+template <class Visit>
+void each_node(RootPage& page, const Visit& visit) {
+  for (std::size_t at = gpu::kPageHeaderWords; at < page.size(); at += gpu::kPageNodeWords) {
+    gpu::PageNode node;
+    std::memcpy(&node, page.data() + at, sizeof node);
+    visit(node);
+    std::memcpy(page.data() + at, &node, sizeof node);
+  }
+}
+
+double half_area(const WideNodeBox& box) {
+  std::array<double, 3> size{};
+  for (std::size_t axis = 0; axis < 3; ++axis) size[axis] = static_cast<double>(box.max[axis] - box.min[axis]);
+  return size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
+}
+
+double now_ms() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+TopLevelRow make_row(std::string engine, std::vector<double> times) {
+  std::ranges::sort(times);
+  return {std::move(engine), times[times.size() / 2], times[(times.size() * 95 - 1) / 100]};
+}
+
+// One zone is missing each time, another one than before.
+Result<TopLevelRow> time_set_zones(std::span<const RootPage> pages, std::span<const std::uint32_t> words,
+                                   std::uint32_t pool_words, const TopLevelBenchOptions& options) {
+  DeviceOptions wanted;
+  wanted.name = options.device;
+  ZC_ASSIGN(const std::unique_ptr<Device> device, Device::create(wanted));
+  ZoneSet set(*device);
+  ZC_TRY(set.create(pool_words, static_cast<std::uint32_t>(pages.size())));
+  for (std::size_t i = 0; i < pages.size(); ++i) ZC_TRY(set.upload(words[i], pages[i]));
+  std::vector<gpu::ZoneEntry> zones;
+  std::vector<double> times;
+  for (unsigned r = 0; r < options.repeat; ++r) {
+    zones.clear();
+    for (std::size_t i = 0; i < pages.size(); ++i)
+      if (pages.size() == 1 || i != r * 7 % pages.size()) zones.push_back({0, 0, 0, 0, words[i], 0, 0, 0});
+    const double start = now_ms();
+    ZC_TRY(set.set_zones(zones));
+    times.push_back(now_ms() - start);
+  }
+  return make_row("set_zones", std::move(times));
+}
+
+}  // namespace
+
+Result<std::vector<RootPage>> load_root_pages(const std::filesystem::path& world) {
+  ZC_ASSIGN(const std::unique_ptr<Source> source, open_directory_source(world));
+  ZC_ASSIGN(const WorldIndex index, read_world_index(*source, world));
+  std::vector<RootPage> pages;
+  for (std::uint32_t id = 0; id < index.nodes.size(); ++id) {
+    const NodeRecord& node = index.nodes[id];
+    if (node.is_detail() || (node.child_count > 0 && !index.nodes[node.first_child].is_detail())) continue;
+    ZC_ASSIGN(const std::vector<std::uint32_t> page, load_page(*source, index, id));
+    pages.push_back(cut_to_root(page));
+  }
+  if (pages.empty()) return Error{ErrorCode::kFormat, "has no proxies", world.string()};
+  return pages;
+}
+
+std::vector<RootPage> repeat_root_pages(std::span<const RootPage> pages, std::size_t count) {
+  ZC_CHECK(!pages.empty());
+  NodeBox all;
+  for (const RootPage& page : pages) {
+    RootPage copy = page;
+    each_node(copy, [&](const gpu::PageNode& node) {
+      for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
+        if (((inner_mask(node) | leaf_mask(node)) >> slot & 1U) == 0) continue;
+        const WideNodeBox box = child_box(node, slot);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          all.min[axis] = static_cast<std::int32_t>(std::min<std::int64_t>(all.min[axis], box.min[axis]));
+          all.max[axis] = static_cast<std::int32_t>(std::max<std::int64_t>(all.max[axis], box.max[axis]));
+        }
+      }
+    });
+  }
+  std::size_t side = 1;
+  while (side * side * pages.size() < count) ++side;
+  std::vector<RootPage> out;
+  out.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto round = i / pages.size();
+    const auto x = static_cast<std::int32_t>(round % side) * (all.max[0] - all.min[0]);
+    const auto y = static_cast<std::int32_t>(round / side) * (all.max[1] - all.min[1]);
+    out.push_back(pages[i % pages.size()]);
+    each_node(out.back(), [&](gpu::PageNode& node) {
+      node.origin_x += x;
+      node.origin_y += y;
+    });
+  }
+  return out;
+}
+
+double top_level_cost(std::span<const gpu::PageNode> nodes, std::span<const TracedPage> pages,
+                      std::uint32_t first_word) {
+  std::set<std::uint32_t> children_of_roots;  // where they begin: whose copy a leaf of the top level is
+  for (const TracedPage& page : pages)
+    if (inner_mask(page.root->root) != 0)
+      children_of_roots.insert(page.page_word + gpu::kPageHeaderWords + page.root->root.child_offset);
+  double sum = 0;
+  NodeBox all;
+  for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+    const gpu::PageNode& node = nodes[i];
+    const std::uint32_t child_word = first_word + i * gpu::kPageNodeWords + node.child_offset;
+    if (inner_mask(node) == 0 || (child_word < first_word && !children_of_roots.contains(child_word))) continue;
+    for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
+      if ((inner_mask(node) >> slot & 1U) == 0) continue;
+      const WideNodeBox box = child_box(node, slot);
+      sum += half_area(box);
+      for (std::size_t axis = 0; i == 0 && axis < 3; ++axis) {
+        all.min[axis] = static_cast<std::int32_t>(std::min<std::int64_t>(all.min[axis], box.min[axis]));
+        all.max[axis] = static_cast<std::int32_t>(std::max<std::int64_t>(all.max[axis], box.max[axis]));
+      }
+    }
+  }
+  return all.half_area() > 0 ? 1 + sum / all.half_area() : 1;
+}
+
+Result<TopLevelReport> run_top_level_bench(std::string scene, std::span<const RootPage> pages,
+                                           const TopLevelBenchOptions& options) {
+  std::vector<PageRoot> roots;
+  std::vector<std::uint32_t> words;
+  std::uint32_t at = 0;
+  for (const RootPage& page : pages) {
+    roots.push_back(page_root(page));
+    words.push_back(at);
+    at += static_cast<std::uint32_t>(page.size());
+  }
+  std::vector<TracedPage> traced;
+  for (std::size_t i = 0; i < roots.size(); ++i) traced.push_back({words[i], &roots[i]});
+
+  TopLevelReport report;
+  report.scene = std::move(scene);
+  report.zones = pages.size();
+  std::vector<double> times;
+  TopLevelBuilder top;
+  for (unsigned r = 0; r < options.repeat; ++r) {
+    const double start = now_ms();
+    top.build(traced, at);
+    times.push_back(now_ms() - start);
+  }
+  report.nodes = top.nodes().size();
+  report.depth = top.depth();
+  report.cost = top_level_cost(top.nodes(), traced, at);
+  report.rows.push_back(make_row("top_level", std::move(times)));
+  Result<TopLevelRow> set_zones = time_set_zones(pages, words, at, options);
+  if (set_zones) {
+    report.rows.push_back(*std::move(set_zones));
+  } else if (!options.device.empty()) {
+    return std::move(set_zones).error();
+  } else {
+    report.left_out.push_back("set_zones: " + set_zones.error().describe());
+  }
+  return report;
+}
+
+std::string top_level_table(const TopLevelReport& report) {
+  std::string text = report.scene + ": " + std::to_string(report.zones) + " zones, " + std::to_string(report.nodes) +
+                     " nodes, depth " + std::to_string(report.depth);
+  std::array<char, 160> line{};
+  std::snprintf(line.data(), line.size(), ", %.2f nodes a ray\n%-16s %9s %9s\n", report.cost, "engine", "build ms",
+                "p95 ms");
+  text += line.data();
+  for (const TopLevelRow& row : report.rows) {
+    std::snprintf(line.data(), line.size(), "%-16s %9.4f %9.4f\n", row.engine.c_str(), row.median_ms, row.p95_ms);
+    text += line.data();
+  }
+  for (const std::string& cause : report.left_out) text += "left out: " + cause + '\n';
+  return text;
+}
+
+nlohmann::ordered_json top_level_json(const TopLevelReport& report) {
+  nlohmann::ordered_json json = {{"zones", report.zones}, {"left_out", report.left_out}};
+  json["rows"] = nlohmann::ordered_json::array();
+  for (const TopLevelRow& row : report.rows) {
+    json["rows"].push_back({{"case", report.scene},
+                            {"engine", row.engine},
+                            {"build_ms", row.median_ms},
+                            {"p95_ms", row.p95_ms},
+                            {"nodes", report.nodes},
+                            {"depth", report.depth},
+                            {"cost", report.cost}});
+  }
+  return json;
+}
+
+}  // namespace zc::bench

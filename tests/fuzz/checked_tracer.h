@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// Traces pages on the device by the kernels of the renderer, with every access checked, under validation layers and
+// robust buffer access: one ray at a time and in packets, through texels and through the storage buffer.
+// Units: lattice steps, metres in rays. Threads: one at a time.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <random>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "runtime/renderer.h"
+#include "runtime/zone_set.h"
+#include "streamer/world_format/page_view.h"
+
+namespace zc::test {
+
+struct TraceSums {
+  std::uint64_t rays = 0;
+  std::uint64_t hits = 0;
+  std::uint64_t lost = 0;            // gave up: kHitLost
+  std::uint64_t alone = 0;           // rays that packets gave back
+  std::uint64_t out_of_page = 0;     // accesses outside the pages and the top level
+  std::uint64_t unknown_places = 0;  // hits on a page or a triangle that is not there
+};
+
+struct TracedOne {
+  std::uint32_t word = 0;  // where it lies in the pool
+  std::span<const std::uint32_t> page;
+};
+
+class CheckedTracer {
+ public:
+  static constexpr std::uint32_t kSide = 16;
+  static constexpr std::uint32_t kRays = kSide * kSide;
+  static constexpr std::array<std::pair<std::uint32_t, std::uint32_t>, 4> kKernels = {
+      {{gpu::kPoolTexels, 0}, {gpu::kPoolStorage, 0}, {gpu::kPoolTexels, 4}, {gpu::kPoolStorage, 4}}};
+  // With the top level over two pages, packets still take so deep a page.
+  static constexpr std::uint32_t kPageDepth = 10;
+
+  Status open(std::uint64_t pool_words, std::uint32_t material_count) {
+    DeviceOptions options;
+    options.validation = true;
+    ZC_ASSIGN(device_, Device::create(options));
+    proxies_.emplace(*device_);
+    host_.emplace(*device_);
+    ZC_TRY(proxies_->create(pool_words, 2));
+    ZC_TRY(host_->create(pool_words, 2));
+    // What lies between the pages leads nowhere good.
+    const std::vector<std::uint32_t> wild(pool_words, 0xFFFFFFF1U);
+    std::memcpy(proxies_->pool().mapped().data(), wild.data(), 4 * wild.size());
+    std::memcpy(host_->pool().mapped().data(), wild.data(), 4 * wild.size());
+    const std::vector<gpu::MaterialEntry> mirrors(material_count, {0.5F, 0.5F, 0.5F, 0.01F, 1, 0, 0, 0});
+    for (std::size_t i = 0; i < kKernels.size(); ++i) {
+      RendererOptions renderer;
+      renderer.width = renderer.height = kSide;
+      renderer.reflections = ReflectionMode::kProxy;
+      renderer.page_depth = kPageDepth;
+      renderer.max_zones = 2;
+      renderer.pool_path = kKernels[i].first;
+      renderer.rays_per_lane = kKernels[i].second;
+      renderer.check_access = true;
+      ZC_ASSIGN(renderers_[i], Renderer::create(*device_, *proxies_, *host_, mirrors, renderer));
+    }
+    return {};
+  }
+
+  [[nodiscard]] const Device& device() const { return *device_; }
+
+  // The pages to trace from now on, in the order of their words, in both sets.
+  Status show(std::span<const TracedOne> pages) {
+    pages_.assign(pages.begin(), pages.end());
+    std::vector<gpu::ZoneEntry> zones;
+    for (const TracedOne& one : pages) {
+      for (ZoneSet* set : {&*proxies_, &*host_}) ZC_TRY(set->upload(one.word, one.page));
+      zones.push_back({0, 0, 0, 0, one.word, 0, 0.0F, 0});
+    }
+    for (ZoneSet* set : {&*proxies_, &*host_}) ZC_TRY(set->set_zones(zones));
+    return {};
+  }
+
+  Result<TraceSums> trace(std::size_t kernel, const RenderCamera& camera, std::span<const gpu::RayTask> rays) {
+    ZC_ASSIGN(const auto hits, renderers_[kernel]->trace(camera, rays, false));
+    const gpu::Counters counters = renderers_[kernel]->counters();
+    TraceSums sums;
+    sums.rays = rays.size();
+    sums.alone = counters.retry_count;
+    sums.out_of_page = counters.out_of_page;
+    for (const TracedHit& hit : hits) {
+      if (hit.page_word == gpu::kHitNone) continue;
+      hit.page_word == gpu::kHitLost ? ++sums.lost : ++sums.hits;
+      if (hit.page_word != gpu::kHitLost && !is_there(hit)) ++sums.unknown_places;
+    }
+    return sums;
+  }
+
+  // All passes of a frame: the page is drawn, lit, mirrored in the other one and shaded.
+  Result<TraceSums> render(std::size_t kernel, const RenderCamera& camera) {
+    std::vector<ZoneDraw> draws;
+    for (std::uint32_t slot = 0; slot < pages_.size(); ++slot)
+      draws.push_back({slot, host_->triangle_count(slot), PageView(pages_[slot].page).header().node_count});
+    ZC_ASSIGN(const FrameResult frame, renderers_[kernel]->render(camera, draws));
+    TraceSums sums;
+    sums.rays = frame.counters.ray_count;
+    sums.hits = frame.counters.rays_proxy + frame.counters.rays_proxy_coarse;
+    sums.lost = frame.counters.rays_lost;
+    sums.alone = frame.counters.retry_count;
+    sums.out_of_page = frame.counters.out_of_page;
+    return sums;
+  }
+
+ private:
+  [[nodiscard]] bool is_there(const TracedHit& hit) const {
+    for (const TracedOne& one : pages_)
+      if (one.word == hit.page_word) return hit.triangle < PageView(one.page).header().triangle_count;
+    return false;
+  }
+
+  std::unique_ptr<Device> device_;
+  std::optional<ZoneSet> proxies_, host_;
+  std::array<std::unique_ptr<Renderer>, kKernels.size()> renderers_;
+  std::vector<TracedOne> pages_;
+};
+
+}  // namespace zc::test
