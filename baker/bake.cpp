@@ -115,9 +115,10 @@ Status encode_node(const ProxyNode& source, std::span<const Material> materials,
   return writer.write(name, zone.glb);
 }
 
-Status build_node_bvh(const ZoneMesh& mesh, std::uint32_t material_count, const WorldWriter& writer, NodeRecord& node) {
+Status build_node_bvh(const ZoneMesh& mesh, const BvhBuildOptions& options, std::uint32_t material_count,
+                      const WorldWriter& writer, NodeRecord& node) {
   const std::string name = node_file(node, "zbvh");
-  ZC_ASSIGN(const BuiltPage page, build_page(mesh, {}, material_count, node, name));
+  ZC_ASSIGN(const BuiltPage page, build_page(mesh, options, material_count, node, name));
   const std::vector<std::byte> bytes = encode_bvh_file(page.bvh);
   node.bvh_bytes = bytes.size();
   node.scratch_bytes += bvh_scratch_bytes(node);
@@ -204,7 +205,7 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   progress.begin("bvh", 0.95, 1.0, count);
   const auto material_count = static_cast<std::uint32_t>(materials.size());
   ZC_TRY(for_all(count, [&](std::size_t i) {
-    Status status = build_node_bvh(decoded[i], material_count, writer, index.nodes[i]);
+    Status status = build_node_bvh(decoded[i], options.bvh, material_count, writer, index.nodes[i]);
     decoded[i] = {};
     progress.step();
     return status;

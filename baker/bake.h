@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "baker/bvh/build_wide.h"
 #include "baker/scene.h"
 #include "base/result.h"
 #include "streamer/world_format/world_index.h"
@@ -22,6 +23,7 @@ inline constexpr const char* kBakeReportName = "bake.json";
 struct BakeOptions {
   unsigned threads = 0;                 // 0: all
   std::uint32_t leaf_triangles = 4000;  // a zone with more is split; the root has at most so many
+  BvhBuildOptions bvh;
   double error_m = 0.05;                // bound of leaf proxies
   std::int32_t step_log2 = kDefaultStepLog2;
   // Called from any thread, one call at a time; fraction in 0..1.

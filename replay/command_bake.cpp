@@ -8,6 +8,7 @@
 
 #include "baker/bake.h"
 #include "baker/import/import.h"
+#include "replay/bvh_option.h"
 #include "replay/commands.h"
 #include "replay/progress.h"
 #include "replay/units.h"
@@ -59,6 +60,7 @@ void add_bake(CLI::App& app, const SetCommand& set) {
       ->add_option("--error", arguments->options.error_m, "Bound on the surface error of the finest proxies, in metres")
       ->capture_default_str()
       ->check(CLI::Range(0.001, 100.0));
+  add_bvh_option(*command, arguments->options.bvh.method, "How BVHs are built; auto: the cheapest on simulated rays");
   command->add_option("--leaf-triangles", arguments->options.leaf_triangles, "Triangles at which a zone is split")
       ->capture_default_str()
       ->check(CLI::Range(64U, 65535U));

@@ -17,6 +17,7 @@
 #include "base/file.h"
 #include "replay/bench/bench_scene.h"
 #include "replay/bench/trace_bench.h"
+#include "replay/bvh_option.h"
 #include "replay/commands.h"
 #include "replay/progress.h"
 #include "replay/temporary_folder.h"
@@ -36,6 +37,7 @@ struct Arguments {
   bench::PixelOrder order = bench::PixelOrder::kRows;
   bench::TraceBenchOptions options;
   double world_offset_m = 0;
+  BvhMethod bvh = BvhMethod::kAuto;
   std::string json, dump_rays, dump_triangles;
 };
 
@@ -171,9 +173,13 @@ Result<std::vector<BenchRay>> take_rays(const Arguments& a, const Subject& subje
   return std::move(set.rays);
 }
 
-Result<bench::ZonePage> build_zone_page(const ZoneMesh& mesh, NodeRecord& node) {
-  ZC_ASSIGN(BuiltPage page, build_page(mesh, {}, 1, node, "page"));
-  return bench::ZonePage{std::move(page.words), std::move(page.bvh.order)};
+bench::PageBuilder page_builder(BvhMethod method) {
+  BvhBuildOptions options;
+  options.method = method;
+  return [options](const ZoneMesh& mesh, NodeRecord& node) -> Result<bench::ZonePage> {
+    ZC_ASSIGN(BuiltPage page, build_page(mesh, options, 1, node, "page"));
+    return bench::ZonePage{std::move(page.words), std::move(page.bvh.order)};
+  };
 }
 
 Status check(const Arguments& a) {
@@ -198,7 +204,7 @@ Status run(const Arguments& a) {
   if (!a.dump_triangles.empty())
     ZC_TRY(write_file(a.dump_triangles, std::as_bytes(std::span(subject.scene.triangles))));
   bench::TraceBenchOptions options = a.options;
-  options.page_builder = build_zone_page;
+  options.page_builder = page_builder(a.bvh);
   std::optional<Progress> progress(std::in_place);
   options.progress = [&](double fraction, std::string_view stage) { progress->update(fraction, stage); };
   ZC_ASSIGN(const bench::TraceBenchReport report, bench::run_trace_bench(subject.scene, oracle, rays, options));
@@ -238,6 +244,7 @@ void add_trace(CLI::App& app, const SetCommand& set) {
   command->add_option("--world-offset", a->world_offset_m, "Move the scene so many metres east and north")
       ->capture_default_str()
       ->check(CLI::Range(-1e8, 1e8));
+  add_bvh_option(*command, a->bvh, "How our own engines build");
   command->add_option("--json", a->json, "Write the figures to this file, or to standard output: -");
   command->add_option("--dump-rays", a->dump_rays, "Write the rays as raw floats");
   command->add_option("--dump-triangles", a->dump_triangles, "Write the triangles as raw floats");

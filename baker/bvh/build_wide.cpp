@@ -1,30 +1,114 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/bvh/build_wide.h"
 
+#include <algorithm>
+#include <array>
+#include <limits>
 #include <string>
 
 #include "baker/bvh/binned_sah.h"
+#include "baker/bvh/simulate.h"
+#include "baker/bvh/sweep_sah.h"
 #include "base/check.h"
 
 namespace zc {
+namespace {
+
+constexpr std::array kMethods = {
+    BvhMethodName{BvhMethod::kAuto, "auto"},
+    BvhMethodName{BvhMethod::kBinned, "binned"},
+    BvhMethodName{BvhMethod::kSweep, "sweep"},
+    BvhMethodName{BvhMethod::kSbvh, "sbvh"},
+    BvhMethodName{BvhMethod::kBinnedReinsert, "binned+reinsert"},
+    BvhMethodName{BvhMethod::kSweepReinsert, "sweep+reinsert"},
+    BvhMethodName{BvhMethod::kSbvhReinsert, "sbvh+reinsert"},
+};
+
+constexpr std::array kCandidates = {BvhMethod::kSweep, BvhMethod::kSweepReinsert, BvhMethod::kSbvh};
+
+WideTree collapse_within_depth(const BinaryTree& binary, const CollapseOptions& options) {
+  WideTree tree = collapse(binary, options);
+  if (tree.depth > gpu::kPageMaxDepth) {
+    CollapseOptions by_levels = options;
+    by_levels.by_levels = true;
+    tree = collapse(binary, by_levels);
+  }
+  // Three binary levels a node; one level more where a leaf did not fit its node.
+  static_assert((kBinaryDepthMax - 1 + 2) / 3 + 1 <= gpu::kPageMaxDepth);
+  ZC_CHECK(tree.depth <= gpu::kPageMaxDepth);
+  return tree;
+}
+
+BvhMethod without_reinsertion(BvhMethod method) {
+  switch (method) {
+    case BvhMethod::kBinnedReinsert: return BvhMethod::kBinned;
+    case BvhMethod::kSweepReinsert: return BvhMethod::kSweep;
+    case BvhMethod::kSbvhReinsert: return BvhMethod::kSbvh;
+    default: return method;
+  }
+}
+
+BinaryTree build_binary(std::span<const BvhTriangle> triangles, BvhMethod method, const BvhBuildOptions& options) {
+  if (method == BvhMethod::kSbvh) return build_sbvh(triangles, options.sbvh);
+  std::vector<BvhReference> references(triangles.size());
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) references[i] = {box_of(triangles[i]), i};
+  return method == BvhMethod::kBinned ? build_binned_sah(references) : build_sweep_sah(references);
+}
+
+// Candidates with and without reinsertion, which follow one another, share their tree.
+WideTree build_cheapest(std::span<const BvhTriangle> triangles, const BvhBuildOptions& options) {
+  const std::vector<SampleRay> rays = make_sample_rays(triangles);
+  WideTree best;
+  double best_score = std::numeric_limits<double>::infinity();
+  BinaryTree binary;
+  BvhMethod built = BvhMethod::kAuto;  // nothing yet
+  for (const BvhMethod method : kCandidates) {
+    const BvhMethod plain = without_reinsertion(method);
+    if (built != plain) binary = build_binary(triangles, plain, options);
+    built = plain;
+    if (method != plain) {
+      optimize_by_reinsertion(binary, options.reinsertion);
+      built = BvhMethod::kAuto;
+    }
+    WideTree tree = collapse_within_depth(binary, options.collapse);
+    const double bytes = estimated_page_bytes(tree) / static_cast<double>(triangles.size());
+    double score = simulated_cost(tree, triangles, rays) * (1 + options.byte_weight * bytes);
+    if (bytes > options.bytes_per_triangle_max) score *= 1e3 * bytes;  // behind all that stay within; then the smallest
+    if (tree.depth > options.depth_preferred) score *= 1e6 * tree.depth;
+    if (score < best_score) {
+      best_score = score;
+      best = std::move(tree);
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::span<const BvhMethodName> bvh_methods() { return kMethods; }
+std::span<const BvhMethod> auto_candidates() { return kCandidates; }
+
+std::optional<BvhMethod> find_bvh_method(std::string_view name) {
+  const auto at = std::ranges::find(kMethods, name, &BvhMethodName::name);
+  if (at == kMethods.end()) return {};
+  return at->method;
+}
+
+double estimated_page_bytes(const WideTree& tree) {
+  // A reference is a word and, with a cluster's header, about half a vertex of six bytes.
+  return 80.0 * static_cast<double>(tree.nodes.size()) + 8.0 * static_cast<double>(tree.references.size());
+}
 
 Result<WideTree> build_wide_bvh(std::span<const BvhTriangle> triangles, const BvhBuildOptions& options) {
   if (triangles.empty()) return Error{ErrorCode::kFormat, "a zone without triangles has no BVH"};
   if (triangles.size() > gpu::kPageMaxTriangles)
     return Error{ErrorCode::kUnsupported,
                  "a zone has " + std::to_string(triangles.size()) + " triangles, more than a page can number"};
-  std::vector<BvhReference> references(triangles.size());
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) references[i] = {box_of(triangles[i]), i};
-  const BinaryTree binary = build_binned_sah(std::move(references));
-  WideTree tree = collapse(binary, options.collapse);
-  if (tree.depth > gpu::kPageMaxDepth) {
-    CollapseOptions by_levels = options.collapse;
-    by_levels.by_levels = true;
-    tree = collapse(binary, by_levels);
-  }
-  static_assert((kBinaryDepthMax - 1 + 2) / 3 <= gpu::kPageMaxDepth);
-  ZC_CHECK(tree.depth <= gpu::kPageMaxDepth);
-  return tree;
+  if (options.method == BvhMethod::kAuto) return build_cheapest(triangles, options);
+  const BvhMethod plain = without_reinsertion(options.method);
+  BinaryTree binary = build_binary(triangles, plain, options);
+  if (plain != options.method) optimize_by_reinsertion(binary, options.reinsertion);
+  return collapse_within_depth(binary, options.collapse);
 }
 
 }  // namespace zc

@@ -16,7 +16,11 @@ NodeBox wide_box(const BvhBox& b) { return {{b.min[0], b.min[1], b.min[2]}, {b.m
 class Collapse {
  public:
   Collapse(const BinaryTree& tree, const CollapseOptions& options)
-      : tree_(tree), options_(options), best_(tree.nodes.size()) {}
+      : tree_(tree),
+        options_(options),
+        node_place_(options.node_place_cost * static_cast<float>(tree.nodes[0].box.half_area()) /
+                    static_cast<float>(tree.references.size())),
+        best_(tree.nodes.size()) {}
 
   WideTree run() {
     for (std::size_t i = tree_.nodes.size(); i-- > 0;) weigh(static_cast<std::uint32_t>(i));  // children lie behind
@@ -62,7 +66,7 @@ class Collapse {
       }
       return least;
     };
-    const float as_node = distribute(options_.width, best.node_left_roots) + area * options_.node_cost;
+    const float as_node = distribute(options_.width, best.node_left_roots) + area * options_.node_cost + node_place_;
     const float as_leaf = best.count <= options_.leaf_triangles
                               ? area * options_.triangle_cost * static_cast<float>(best.count)
                               : std::numeric_limits<float>::infinity();
@@ -109,6 +113,37 @@ class Collapse {
     }
   }
 
+  // Large leaves become nodes where a node would have more triangles than it can number.
+  void keep_within_node(std::span<const std::uint32_t> children) {
+    for (;;) {
+      std::uint32_t triangles = 0;
+      std::uint32_t largest = children[0];
+      for (const std::uint32_t child : children) {
+        if (!best_[child].leaf) continue;
+        triangles += best_[child].count;
+        if (!best_[largest].leaf || best_[child].count > best_[largest].count) largest = child;
+      }
+      if (triangles <= gpu::kNodeMaxTriangles) return;
+      best_[largest].leaf = false;
+    }
+  }
+
+  // Pieces of one triangle that meet again in a leaf, which begins at `first`, become one.
+  void merge_pieces(std::size_t first) {
+    std::size_t end = first;
+    for (std::size_t i = first; i < out_.references.size(); ++i) {
+      const BvhReference reference = out_.references[i];
+      std::size_t same = first;
+      while (same < end && out_.references[same].triangle != reference.triangle) ++same;
+      if (same < end) {
+        out_.references[same].box.add(reference.box);
+      } else {
+        out_.references[end++] = reference;
+      }
+    }
+    out_.references.resize(end);
+  }
+
   void emit(std::uint32_t wide, std::uint32_t index, std::uint32_t depth) {
     out_.depth = std::max(out_.depth, depth);
     std::vector<std::uint32_t> children;
@@ -122,6 +157,7 @@ class Collapse {
       find_children(node.left, std::min(k, kRootsMost), children);
       find_children(node.left + 1, std::min(options_.width - k, kRootsMost), children);
     }
+    keep_within_node(children);
     std::array<NodeBox, gpu::kNodeWidth> boxes;
     for (std::size_t i = 0; i < children.size(); ++i) boxes[i] = wide_box(tree_.nodes[children[i]].box);
     const auto child_of_slot = assign_slots(std::span(boxes).first(children.size()));
@@ -137,6 +173,7 @@ class Collapse {
         child.kind = WideChild::Kind::kLeaf;
         child.first = static_cast<std::uint32_t>(out_.references.size());
         append_references(binary);
+        merge_pieces(child.first);
         child.count = static_cast<std::uint32_t>(out_.references.size()) - child.first;
       } else {
         child.kind = WideChild::Kind::kNode;
@@ -153,6 +190,7 @@ class Collapse {
 
   const BinaryTree& tree_;
   CollapseOptions options_;
+  float node_place_;
   std::vector<Best> best_;
   WideTree out_;
 };
@@ -161,7 +199,7 @@ class Collapse {
 
 WideTree collapse(const BinaryTree& tree, const CollapseOptions& options) {
   ZC_CHECK(!tree.nodes.empty() && options.width >= 2 && options.width <= gpu::kNodeWidth);
-  ZC_CHECK(options.leaf_triangles >= 1 && options.leaf_triangles * options.width <= gpu::kNodeMaxTriangles);
+  ZC_CHECK(options.leaf_triangles >= 1 && options.leaf_triangles <= gpu::kLeafMaxTriangles);
   return Collapse(tree, options).run();
 }
 

@@ -51,7 +51,10 @@ struct Walk {
   }
 };
 
-void expect_valid(ZoneMesh mesh, const BvhBuildOptions& options = {}) {
+// Of trees that keep triangles whole: each in one leaf, whose box holds all of it. EveryMethodCoversEveryPoint… speaks of
+// those that split them.
+void expect_valid(ZoneMesh mesh, BvhBuildOptions options = {}) {
+  options.method = BvhMethod::kSweepReinsert;
   mesh.materials.resize(mesh.triangles.size());
   NodeRecord record;
   record.origin = {-4096, 8192, 64};
@@ -200,6 +203,98 @@ TEST(WideBvh, TimeGrowsBarelyFasterThanTheTriangles) {
   const double large_s = build_s(200000);
   RecordProperty("mtri_per_s", std::to_string(0.2 / large_s));
   EXPECT_LT(large_s / small_s, 32.0);  // eight times the triangles; a quadratic build takes 64 times as long
+}
+
+// Random triangles, some of them long and thin across the zone: what spatial splits are for.
+std::vector<BvhTriangle> slivers_and_crumbs(std::size_t count) {
+  std::mt19937 random(11);
+  std::vector<BvhTriangle> triangles(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t reach = i % 10 == 0 ? 60000 : 300;
+    std::array<std::uint32_t, 3> from;
+    for (std::uint32_t& v : from) v = static_cast<std::uint32_t>(random() % (65536 - reach));
+    for (auto& corner : triangles[i])
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        corner[axis] = static_cast<std::uint16_t>(from[axis] + random() % reach);
+  }
+  return triangles;
+}
+
+std::uint32_t leaf_references(const WideTree& tree) {
+  std::uint32_t sum = 0;
+  for (const WideNode& node : tree.nodes)
+    for (const WideChild& child : node.slots) sum += child.kind == WideChild::Kind::kLeaf ? child.count : 0;
+  return sum;
+}
+
+TEST(BvhMethods, EveryMethodCoversEveryPointOfEveryTriangle) {
+  const std::vector<BvhTriangle> triangles = slivers_and_crumbs(3000);
+  for (const BvhMethodName& entry : bvh_methods()) {
+    SCOPED_TRACE(entry.name);
+    BvhBuildOptions options;
+    options.method = entry.method;
+    const Result<WideTree> tree = build_wide_bvh(triangles, options);
+    ASSERT_TRUE(tree.ok());
+    EXPECT_LE(tree->depth, gpu::kPageMaxDepth);
+    EXPECT_EQ(leaf_references(*tree), tree->references.size());
+    std::vector<std::vector<BvhBox>> boxes(triangles.size());  // of the leaves that hold the triangle
+    for (const WideNode& node : tree->nodes)
+      for (const WideChild& child : node.slots)
+        for (std::uint32_t i = 0; child.kind == WideChild::Kind::kLeaf && i < child.count; ++i)
+          boxes[tree->references[child.first + i].triangle].push_back(child.box);
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> unit(0, 1);
+    std::size_t uncovered = 0;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      for (int sample = 0; sample < 20; ++sample) {
+        double u = unit(random), v = unit(random);
+        if (u + v > 1) u = 1 - u, v = 1 - v;
+        std::array<double, 3> p;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          p[axis] = triangles[t][0][axis] * (1 - u - v) + triangles[t][1][axis] * u + triangles[t][2][axis] * v;
+        const bool covered = std::ranges::any_of(boxes[t], [&](const BvhBox& box) {
+          for (std::size_t axis = 0; axis < 3; ++axis)
+            if (p[axis] < box.min[axis] - 1e-6 || p[axis] > box.max[axis] + 1e-6) return false;
+          return true;
+        });
+        uncovered += covered ? 0 : 1;
+      }
+    }
+    EXPECT_EQ(uncovered, 0U);
+  }
+}
+
+TEST(BvhMethods, SpatialSplitsKeepTheirBoundOnCopies) {
+  const std::vector<BvhTriangle> triangles = slivers_and_crumbs(3000);
+  BvhBuildOptions options;
+  options.method = BvhMethod::kSbvh;
+  for (const float most : {0.0F, 0.1F, 0.3F}) {
+    options.sbvh.max_duplication = most;
+    const Result<WideTree> tree = build_wide_bvh(triangles, options);
+    ASSERT_TRUE(tree.ok());
+    EXPECT_GE(tree->references.size(), triangles.size());
+    EXPECT_LE(static_cast<float>(tree->references.size()), (1 + most) * 3000);
+  }
+  EXPECT_GT(build_wide_bvh(triangles, options)->references.size(), triangles.size()) << "nothing was split";
+}
+
+TEST(BvhMethods, EqualBoxesAndLinesKeepTheDepth) {
+  std::vector<BvhTriangle> same(20000, BvhTriangle{{{10, 10, 10}, {5000, 9, 30}, {20, 4000, 6}}});
+  std::vector<BvhTriangle> lines(20000);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const auto x = static_cast<std::uint16_t>(i);
+    lines[i] = {{{0, 0, 0}, {x, x, x}, {static_cast<std::uint16_t>(x + 1), x, x}}};
+  }
+  for (const BvhMethodName& entry : bvh_methods()) {
+    SCOPED_TRACE(entry.name);
+    BvhBuildOptions options;
+    options.method = entry.method;
+    for (const auto* triangles : {&same, &lines}) {
+      const Result<WideTree> tree = build_wide_bvh(*triangles, options);
+      ASSERT_TRUE(tree.ok());
+      EXPECT_LE(tree->depth, gpu::kPageMaxDepth);
+    }
+  }
 }
 
 }  // namespace
