@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <glm/common.hpp>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,6 +15,7 @@
 #include "baker/snap.h"
 #include "base/file.h"
 #include "replay/bench/bench_scene.h"
+#include "replay/bench/print_figures.h"
 #include "replay/bench/trace_bench.h"
 #include "replay/bvh_option.h"
 #include "replay/commands.h"
@@ -209,12 +209,7 @@ Status run(const Arguments& a) {
   options.progress = [&](double fraction, std::string_view stage) { progress->update(fraction, stage); };
   ZC_ASSIGN(const bench::TraceBenchReport report, bench::run_trace_bench(subject.scene, oracle, rays, options));
   progress.reset();  // its line goes before the table comes
-  if (a.json != "-") std::cout << bench::trace_table(report);
-  if (a.json.empty()) return {};
-  const std::string text = bench::trace_json(report).dump(2) + "\n";
-  if (a.json != "-") return write_file(a.json, std::as_bytes(std::span(text)));
-  std::cout << text;
-  return {};
+  return bench::print_figures(bench::trace_table(report), bench::trace_json(report), a.json);
 }
 
 void add_trace(CLI::App& app, const SetCommand& set) {

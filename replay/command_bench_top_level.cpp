@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <iostream>
 #include <memory>
 
 #include "baker/bake.h"
 #include "baker/generate/city.h"
 #include "baker/import/import.h"
-#include "base/file.h"
+#include "replay/bench/print_figures.h"
 #include "replay/bench/top_level_bench.h"
 #include "replay/commands.h"
 #include "replay/progress.h"
@@ -40,12 +39,7 @@ Status run(const Arguments& a) {
   ZC_ASSIGN(const bench::TopLevelReport report,
             bench::run_top_level_bench(a.world.empty() ? "city" : world.filename().string(),
                                        bench::repeat_root_pages(pages, a.zones), a.options));
-  if (a.json != "-") std::cout << bench::top_level_table(report);
-  if (a.json.empty()) return {};
-  const std::string text = bench::top_level_json(report).dump(2) + "\n";
-  if (a.json != "-") return write_file(a.json, std::as_bytes(std::span(text)));
-  std::cout << text;
-  return {};
+  return bench::print_figures(bench::top_level_table(report), bench::top_level_json(report), a.json);
 }
 
 }  // namespace

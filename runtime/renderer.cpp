@@ -90,7 +90,7 @@ void Renderer::dispatch_indirect(VkCommandBuffer c, const Pipeline& pipeline, st
 }
 
 void Renderer::record_trace(VkCommandBuffer c, bool host) const {
-  if (rays_per_lane_ > 0) {
+  if (variant_.rays_per_lane > 0) {
     dispatch_indirect(c, host ? packet_host_ : packet_proxies_, offsetof(gpu::Counters, packet_groups_x));
     dispatch_pixels(c, size_, 1, 1);
   }
@@ -246,6 +246,7 @@ gpu::Counters Renderer::counters() const {
 Result<std::vector<TracedHit>> Renderer::trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays,
                                                bool host, double* milliseconds) {
   ZC_CHECK(!rays.empty() && rays.size_bytes() <= rays_.bytes());
+  ZC_TRY(create_resolve(host));
   write_frame(camera);
   std::memcpy(readback_.mapped().data(), rays.data(), rays.size_bytes());
   gpu::Counters counters{};

@@ -106,6 +106,8 @@ class Renderer {
   void bind(VkCommandBuffer c, const Pipeline& pipeline) const;
   void dispatch_pixels(VkCommandBuffer c, const Pipeline& pipeline, std::uint32_t width, std::uint32_t height,
                        const gpu::PassConstants& constants = {}) const;
+  // The pipeline that resolves hits for trace(), made when it is first asked for.
+  Status create_resolve(bool host);
   // Closest hits of the ray queue, in packets first.
   void record_trace(VkCommandBuffer c, bool host) const;
   void dispatch_indirect(VkCommandBuffer c, const Pipeline& pipeline, std::size_t offset_bytes) const;
@@ -117,6 +119,7 @@ class Renderer {
   const ZoneSet& host_;
   RendererOptions options_;
   PassLayout layout_;
+  PassVariant variant_;
   gpu::FrameData frame_ = {};
 
   Buffer frame_buffer_, materials_, hiz_, lit_, reflection_, provenance_, pixel_list_, rays_, hits_, retries_,
@@ -131,7 +134,6 @@ class Renderer {
   VkQueryPool queries_ = VK_NULL_HANDLE;
   Pipeline draw_zone_, draw_lines_, light_, reduce_, classify_, size_, march_, trace_proxies_, trace_host_,
       packet_proxies_, packet_host_, resolve_proxies_, resolve_host_, shade_, composite_, debug_;
-  std::int32_t rays_per_lane_ = 0;
 };
 
 }  // namespace zc

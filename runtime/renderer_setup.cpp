@@ -203,14 +203,13 @@ Status Renderer::create_targets() {
 }
 
 Status Renderer::create_pipelines() {
-  PassVariant variant;
+  PassVariant& variant = variant_;
   // A level leaves at most one entry behind, and the last none.
   const std::uint32_t depth = options_.page_depth + top_level_depth_bound(options_.max_zones);
   variant.stack_size = static_cast<std::int32_t>(depth);
   variant.pool_path = options_.pool_path;
   variant.check_access = options_.check_access ? 1 : 0;
   variant.rays_per_lane = depth <= kPacketStack && device_.subgroup_size() >= 8 ? options_.rays_per_lane : 0;
-  rays_per_lane_ = variant.rays_per_lane;
   variant.use_screen = options_.reflections == ReflectionMode::kScreenAndProxy ? 1 : 0;
   variant.trace_host = options_.reflections == ReflectionMode::kFull ? 1 : 0;
   const auto compute = [&](Pipeline& pipeline, std::span<const std::uint32_t> code, const PassVariant& v) -> Status {
@@ -231,9 +230,7 @@ Status Renderer::create_pipelines() {
   proxy.trace_host = 0;
   ZC_TRY(compute(trace_proxies_, shader::trace_rays(), proxy));
   ZC_TRY(compute(trace_host_, shader::trace_rays(), host));
-  ZC_TRY(compute(resolve_proxies_, shader::resolve_hits(), proxy));
-  ZC_TRY(compute(resolve_host_, shader::resolve_hits(), host));
-  if (rays_per_lane_ > 0) {
+  if (variant.rays_per_lane > 0) {
     ZC_TRY(compute(packet_proxies_, shader::trace_packets(), proxy));
     ZC_TRY(compute(packet_host_, shader::trace_packets(), host));
   }
@@ -253,6 +250,15 @@ Status Renderer::create_pipelines() {
   lines.topology = VK_PRIMITIVE_TOPOLOGY_LINE_LIST;
   lines.depth_write = false;
   ZC_ASSIGN(draw_lines_, Pipeline::create_graphics(device_, layout_, lines));
+  return {};
+}
+
+Status Renderer::create_resolve(bool host) {
+  Pipeline& pipeline = host ? resolve_host_ : resolve_proxies_;
+  if (pipeline.handle() != VK_NULL_HANDLE) return {};
+  PassVariant variant = variant_;
+  variant.trace_host = host ? 1 : 0;
+  ZC_ASSIGN(pipeline, Pipeline::create_compute(device_, layout_, shader::resolve_hits(), variant));
   return {};
 }
 

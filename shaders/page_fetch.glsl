@@ -81,12 +81,17 @@ vec3 PAGE_NAME(load_vertex)(uint vertex_word, ivec3 offset, int shift, uint v) {
   return vec3((ivec3(q) << shift) + offset);
 }
 
-void PAGE_NAME(fetch_corners)(PAGE_NAME(Cluster) cluster, uint index, out vec3 a, out vec3 b, out vec3 c,
-                              out uint material) {
-  const uint packed_triangle = PAGE_NAME(load)(cluster.triangle_word + index);
+// The corners of a triangle word.
+void PAGE_NAME(load_corners)(PAGE_NAME(Cluster) cluster, uint packed_triangle, out vec3 a, out vec3 b, out vec3 c) {
   a = PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, packed_triangle & 0xFFu);
   b = PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (packed_triangle >> 8) & 0xFFu);
   c = PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (packed_triangle >> 16) & 0xFFu);
+}
+
+void PAGE_NAME(fetch_corners)(PAGE_NAME(Cluster) cluster, uint index, out vec3 a, out vec3 b, out vec3 c,
+                              out uint material) {
+  const uint packed_triangle = PAGE_NAME(load)(cluster.triangle_word + index);
+  PAGE_NAME(load_corners)(cluster, packed_triangle, a, b, c);
   const uint place = packed_triangle >> 24;
   material = (PAGE_NAME(load)(cluster.palette_word + (place >> 1)) >> (16u * (place & 1u))) & 0xFFFFu;
 }

@@ -7,7 +7,6 @@
 
 #include "packet.glsl"
 
-
 uint team_lane;   // 0..7
 uint team_first;  // the subgroup invocation of lane 0
 

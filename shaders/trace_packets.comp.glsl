@@ -10,11 +10,11 @@ layout(constant_id = 2) const uint kTraceHost = 0u;
 layout(constant_id = 4) const int kRaysPerLane = 4;
 
 #include "host_set.glsl"
-#include "traverse.glsl"
+#include "page_fetch.glsl"
 #include "traverse_packet.glsl"
 #include "end_set.glsl"
 #include "proxy_set.glsl"
-#include "traverse.glsl"
+#include "page_fetch.glsl"
 #include "traverse_packet.glsl"
 #include "end_set.glsl"
 

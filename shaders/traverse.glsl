@@ -70,16 +70,12 @@ TraceHit PAGE_NAME(trace)(TraceRay ray, bool any) {
       const float own_height_m = cluster.error_m + 2.0 * step_m;
       for (; triangles != 0u; triangles &= triangles - 1u) {
         const uint index = first + uint(findLSB(triangles));
-        const uint corners = PAGE_NAME(load)(cluster.triangle_word + index);
-        const vec3 a = permute(PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, corners & 0xFFu),
-                               shear.longest);
-        const vec3 b = permute(
-            PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (corners >> 8) & 0xFFu),
-            shear.longest);
-        const vec3 c = permute(
-            PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (corners >> 16) & 0xFFu),
-            shear.longest);
-        const Triangle shape = make_triangle(a, b, c);
+        vec3 a;
+        vec3 b;
+        vec3 c;
+        PAGE_NAME(load_corners)(cluster, PAGE_NAME(load)(cluster.triangle_word + index), a, b, c);
+        const Triangle shape =
+            make_triangle(permute(a, shear.longest), permute(b, shear.longest), permute(c, shear.longest));
         float t;
         const bool met = hit_triangle(shape, sheared_origin, shear.scale, t);
         const bool own = leaves_surface && winds_with(shape.normal, sheared_plane) && t * climb * step_m <= own_height_m;

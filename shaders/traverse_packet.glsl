@@ -3,8 +3,7 @@
 // kRaysPerLane rays, but nodes and triangles are culled the other way round: invocation = child box, then invocation =
 // triangle, each against a frustum that holds the whole packet. Only the triangles that are left are tested invocation =
 // ray. A node thus costs about the same for eight rays and for sixty-four, and is fetched and decoded once.
-// Sources: frustum bounds of coherent packets after Reshetov, Soupikov & Hurley 2005 ("Multi-level ray tracing
-// algorithm"), bounded on the dominant axis after Wald, Ize, Kensler, Knoll & Parker 2006 (grid traversal of packets).
+// The frustum is beam.glsl's.
 //
 // Rays form groups that leave the same plane, run along the same axis and differ little in direction. What does not pay
 // comes back as a retry for the traversal of single rays: groups that are too small, and groups whose frustum met more than
@@ -146,15 +145,12 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
           first = uint(findLSB(triangles));
           const bool candidate = first + team_lane < kNodeMaxTriangles && (triangles >> (first + team_lane) & 1u) != 0u;
           triangles &= first < 24u ? 0xFFFFFFFFu << (first + kTeam) : 0u;
-          const uint corners = PAGE_NAME(load)(triangle_word + (candidate ? first + team_lane : first));
-          const vec3 a = permute(
-              PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, corners & 0xFFu), longest);
-          const vec3 b = permute(
-              PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (corners >> 8) & 0xFFu), longest);
-          const vec3 c = permute(
-              PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (corners >> 16) & 0xFFu),
-              longest);
-          shape = make_triangle(a, b, c);
+          vec3 a;
+          vec3 b;
+          vec3 c;
+          PAGE_NAME(load_corners)(
+              cluster, PAGE_NAME(load)(triangle_word + (candidate ? first + team_lane : first)), a, b, c);
+          shape = make_triangle(permute(a, longest), permute(b, longest), permute(c, longest));
           met = team_ballot(candidate && beam_meets_triangle(beam, shape));
           own = leaves_surface && winds_with(shape.normal, lead_plane) ? 1u : 0u;
         } while (met == 0u && triangles != 0u);

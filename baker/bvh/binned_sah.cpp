@@ -18,8 +18,6 @@ class Builder {
   }
 
   BinaryTree run() {
-    PackedBox box;
-    for (const PackedBox& r : packed_) box.add(r);
     tree_.nodes.emplace_back();
     divide(0, packed_, 1);
     tree_.references.reserve(packed_.size());

@@ -24,6 +24,7 @@ constexpr std::array kMethods = {
     BvhMethodName{BvhMethod::kSbvhReinsert, "sbvh+reinsert"},
 };
 
+// What `auto` chooses from.
 constexpr std::array kCandidates = {BvhMethod::kSweep, BvhMethod::kSweepReinsert, BvhMethod::kSbvh};
 
 WideTree collapse_within_depth(const BinaryTree& binary, const CollapseOptions& options) {
@@ -41,10 +42,14 @@ WideTree collapse_within_depth(const BinaryTree& binary, const CollapseOptions& 
 
 BvhMethod without_reinsertion(BvhMethod method) {
   switch (method) {
-    case BvhMethod::kBinnedReinsert: return BvhMethod::kBinned;
-    case BvhMethod::kSweepReinsert: return BvhMethod::kSweep;
-    case BvhMethod::kSbvhReinsert: return BvhMethod::kSbvh;
-    default: return method;
+    case BvhMethod::kBinnedReinsert:
+      return BvhMethod::kBinned;
+    case BvhMethod::kSweepReinsert:
+      return BvhMethod::kSweep;
+    case BvhMethod::kSbvhReinsert:
+      return BvhMethod::kSbvh;
+    default:
+      return method;
   }
 }
 
@@ -53,6 +58,12 @@ BinaryTree build_binary(std::span<const BvhTriangle> triangles, BvhMethod method
   std::vector<BvhReference> references(triangles.size());
   for (std::uint32_t i = 0; i < triangles.size(); ++i) references[i] = {box_of(triangles[i]), i};
   return method == BvhMethod::kBinned ? build_binned_sah(references) : build_sweep_sah(references);
+}
+
+// About the bytes that a page takes for nodes and triangles.
+double estimated_page_bytes(const WideTree& tree) {
+  // A reference is a word and, with a cluster's header, about half a vertex of six bytes.
+  return 80.0 * static_cast<double>(tree.nodes.size()) + 8.0 * static_cast<double>(tree.references.size());
 }
 
 // Candidates with and without reinsertion, which follow one another, share their tree.
@@ -86,18 +97,6 @@ WideTree build_cheapest(std::span<const BvhTriangle> triangles, const BvhBuildOp
 }  // namespace
 
 std::span<const BvhMethodName> bvh_methods() { return kMethods; }
-std::span<const BvhMethod> auto_candidates() { return kCandidates; }
-
-std::optional<BvhMethod> find_bvh_method(std::string_view name) {
-  const auto at = std::ranges::find(kMethods, name, &BvhMethodName::name);
-  if (at == kMethods.end()) return {};
-  return at->method;
-}
-
-double estimated_page_bytes(const WideTree& tree) {
-  // A reference is a word and, with a cluster's header, about half a vertex of six bytes.
-  return 80.0 * static_cast<double>(tree.nodes.size()) + 8.0 * static_cast<double>(tree.references.size());
-}
 
 Result<WideTree> build_wide_bvh(std::span<const BvhTriangle> triangles, const BvhBuildOptions& options) {
   if (triangles.empty()) return Error{ErrorCode::kFormat, "a zone without triangles has no BVH"};

@@ -4,7 +4,6 @@
 // Deterministic. Thread-safe: no state, one call a zone from any thread.
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string_view>
 
@@ -23,10 +22,6 @@ struct BvhMethodName {
   std::string_view name;
 };
 std::span<const BvhMethodName> bvh_methods();
-std::optional<BvhMethod> find_bvh_method(std::string_view name);
-
-// What `auto` chooses from.
-std::span<const BvhMethod> auto_candidates();
 
 struct BvhBuildOptions {
   BvhMethod method = BvhMethod::kAuto;
@@ -37,15 +32,12 @@ struct BvhBuildOptions {
   double byte_weight = 0.005;
   // `auto`: candidates whose page takes more bytes a triangle lose to those that stay within.
   double bytes_per_triangle_max = 16;
-  // `auto`: deeper candidates lose as well. With the top level over a few hundred zones they outgrow the stack of packets,
-  // and one deep page has all rays of a world traced one by one.
+  // `auto`: deeper candidates lose as well. With the top level over a few hundred zones they outgrow the stack of
+  // packets, and one deep page has all rays of a world traced one by one.
   std::uint32_t depth_preferred = 10;
 };
 
 // Fails when there is no triangle, or more than a page can number. The depth is at most gpu::kPageMaxDepth.
 Result<WideTree> build_wide_bvh(std::span<const BvhTriangle> triangles, const BvhBuildOptions& options);
-
-// About the bytes that a page takes for nodes and triangles.
-double estimated_page_bytes(const WideTree& tree);
 
 }  // namespace zc

@@ -2,7 +2,6 @@
 #include "baker/bvh/sbvh.h"
 
 #include <vector>
-#include <cstdlib>
 
 #include "baker/bvh/binned_sah.h"
 #include "baker/bvh/object_split.h"
@@ -15,8 +14,8 @@ namespace {
 
 constexpr std::size_t kCutLeast = 96;  // references from which planes are tried: above, a cut gains most
 
-// The references of the node at hand lie at the end of `stack_`; dividing it leaves its right child's there, then its left
-// child's, and a leaf takes its own away.
+// The references of the node at hand lie at the end of `stack_`; dividing it leaves its right child's there, then its
+// left child's, and a leaf takes its own away.
 class Builder {
  public:
   Builder(std::span<const BvhTriangle> triangles, const SbvhOptions& options) : triangles_(triangles) {
@@ -27,7 +26,8 @@ class Builder {
       root.add(stack_.back());
     }
     const auto root_area = static_cast<double>(root.half_area());
-    budget_ = static_cast<std::uint32_t>(static_cast<double>(options.max_duplication) * static_cast<double>(triangles.size()));
+    budget_ = static_cast<std::uint32_t>(static_cast<double>(options.max_duplication) *
+                                         static_cast<double>(triangles.size()));
     overlap_least_ = static_cast<std::int64_t>(static_cast<double>(options.alpha) * root_area);
     reference_cost_ = static_cast<std::int64_t>(static_cast<double>(options.reference_cost) * root_area /
                                                 static_cast<double>(triangles.size()));
@@ -75,8 +75,7 @@ class Builder {
     if (!halves && budget > 0) {
       PackedBox overlap = object.left_box;
       overlap.clip(object.right_box);
-      static const double beta = getenv("BETA") ? atof(getenv("BETA")) : 0;
-      if (!overlap.empty() && overlap.half_area() > overlap_least_ && double(overlap.half_area())>beta*double(box.half_area())) {
+      if (!overlap.empty() && overlap.half_area() > overlap_least_) {
         const SpatialSplit spatial = find_spatial_split(range, box, triangles_);
         if (spatial.cost < object.cost) {
           const std::size_t added = spatial.left + spatial.right - range.size();

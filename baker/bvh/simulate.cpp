@@ -135,23 +135,9 @@ double simulated_cost(const WideTree& tree, std::span<const BvhTriangle> triangl
   const TreeSimulation simulation(tree, triangles);
   TraceCounts counts;
   for (const SampleRay& ray : rays) simulation.trace(ray, counts);
-  return (kNodeVisitCost * static_cast<double>(counts.nodes) + kTriangleTestCost * static_cast<double>(counts.triangles)) /
+  return (kNodeVisitCost * static_cast<double>(counts.nodes) +
+          kTriangleTestCost * static_cast<double>(counts.triangles)) /
          static_cast<double>(rays.size());
-}
-
-double sah_cost(const WideTree& tree) {
-  BvhBox root;
-  double cost = 0;
-  for (const WideNode& node : tree.nodes) {
-    for (const WideChild& child : node.slots) {
-      const auto area = static_cast<double>(child.box.half_area());
-      if (child.kind == WideChild::Kind::kNode) cost += kNodeVisitCost * area;
-      if (child.kind == WideChild::Kind::kLeaf) cost += kTriangleTestCost * area * child.count;
-    }
-  }
-  for (const WideChild& child : tree.nodes[0].slots)
-    if (child.kind != WideChild::Kind::kNone) root.add(child.box);
-  return kNodeVisitCost + cost / static_cast<double>(std::max<std::int64_t>(1, root.half_area()));
 }
 
 }  // namespace zc

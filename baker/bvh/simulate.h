@@ -2,10 +2,11 @@
 // What a wide tree costs to trace, by tracing it: representative reflection rays are taken through the tree as
 // shaders/traverse.glsl takes them (children in the order of `slot ^ octant`, all triangles of the leaves that a node's
 // slots were hit in before any child node, t_max shrinking with every hit, no second look at a child that waits on the
-// stack), and the nodes visited and triangles tested are counted. The surface area heuristic assumes rays that are spread
-// evenly and never stop; reflections are neither.
-// The rays, in equal parts, low-discrepancy (Roberts 2018, the R sequences) and the same for the same triangles:
-//   - mirror rays of street-level views: from points on the zone's triangles, picked by area, the mirrored direction of a
+// stack), and the nodes visited and triangles tested are counted. The surface area heuristic assumes rays that are
+// spread evenly and never stop; reflections are neither. The rays, in equal parts, low-discrepancy (Roberts 2018, the R
+// sequences) and the same for the same triangles:
+//   - mirror rays of street-level views: from points on the zone's triangles, picked by area, the mirrored direction of
+//   a
 //     view that runs within 20 degrees of level;
 //   - rays that come from other zones: through points of the zone's box, entering from outside, in directions of mirror
 //     rays of its surfaces.
@@ -71,8 +72,5 @@ class TreeSimulation {
 
 // Cost of one ray, on average.
 double simulated_cost(const WideTree& tree, std::span<const BvhTriangle> triangles, std::span<const SampleRay> rays);
-
-// Expected cost of a ray by the surface area heuristic, in the same weights.
-double sah_cost(const WideTree& tree);
 
 }  // namespace zc

@@ -2,10 +2,10 @@
 #include "replay/bench/bvh2_engines.h"
 
 #include <bit>
-#include <chrono>
 
 #include "replay/bench/gpu_engine.h"
 #include "replay/bench/sah_tree.h"
+#include "replay/bench/stopwatch.h"
 #include "runtime/shader_code.h"
 
 namespace zc::bench {
@@ -16,10 +16,6 @@ constexpr SahOptions kThesisTree = {2, 0.5F};
 constexpr SahOptions kBvh2Tree = {4, 1};
 constexpr std::size_t kMostTriangles = 1 << 27;
 constexpr std::uint32_t kLeafFlag = 0x80000000U;
-
-double ms_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 Status check_count(const BenchScene& scene) {
   if (scene.triangles.size() < kMostTriangles) return {};
@@ -69,7 +65,7 @@ class ThesisEngine final : public GpuEngine {
 
   Status build(const BenchScene& scene) override {
     ZC_TRY(check_count(scene));
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const SahTree tree = build_sah_tree(scene.triangles, kThesisTree);
     Layout layout;
     layout.nodes.reserve(8 * tree.nodes.size());
@@ -79,7 +75,7 @@ class ThesisEngine final : public GpuEngine {
       for (const float v : scene.triangles[triangle].v) layout.triangles.push_back(std::bit_cast<std::uint32_t>(v));
       layout.triangles.push_back(triangle);
     }
-    figures_ = {ms_since(start), bytes_of(layout)};
+    figures_ = {watch.ms(), bytes_of(layout)};
     std::vector<Buffer> buffers;
     ZC_TRY(upload(device(), layout, buffers));
     KernelOptions options;
@@ -95,7 +91,7 @@ class Bvh2Engine final : public GpuEngine {
 
   Status build(const BenchScene& scene) override {
     ZC_TRY(check_count(scene));
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const SahTree tree = build_sah_tree(scene.triangles, kBvh2Tree);
     Layout layout;
     add_nodes(tree, layout);
@@ -108,7 +104,7 @@ class Bvh2Engine final : public GpuEngine {
         layout.triangles.push_back(corner == 0 ? triangle : 0);
       }
     }
-    figures_ = {ms_since(start), bytes_of(layout)};
+    figures_ = {watch.ms(), bytes_of(layout)};
     std::vector<Buffer> buffers;
     ZC_TRY(upload(device(), layout, buffers));
     KernelOptions options;

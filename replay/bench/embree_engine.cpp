@@ -5,19 +5,13 @@
 #include <embree3/rtcore.h>
 
 #include <atomic>
-#include <chrono>
 #include <map>
 
 #include "replay/bench/parallel_chunks.h"
+#include "replay/bench/stopwatch.h"
 
 namespace zc::bench {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double ms_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 class EmbreeEngine final : public TraceEngine {
  public:
@@ -36,7 +30,7 @@ class EmbreeEngine final : public TraceEngine {
     device_ = rtcNewDevice(config.c_str());
     if (device_ == nullptr) return fault("rtcNewDevice");
     rtcSetDeviceMemoryMonitorFunction(device_, &EmbreeEngine::on_memory, this);
-    const auto start = Clock::now();
+    const Stopwatch watch;
     scene_ = rtcNewScene(device_);
     rtcSetSceneFlags(scene_, robust_ ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
@@ -51,14 +45,14 @@ class EmbreeEngine final : public TraceEngine {
     rtcAttachGeometry(scene_, geometry);
     rtcReleaseGeometry(geometry);
     rtcCommitScene(scene_);
-    figures_.build_ms = ms_since(start);
+    figures_.build_ms = watch.ms();
     const auto embree_bytes = static_cast<std::uint64_t>(bytes_.load());
     figures_.bytes = embree_bytes + vertices_.size() * sizeof(float) + indices_.size() * sizeof(std::uint32_t);
     return fault("rtcCommitScene");
   }
 
   Result<double> trace(std::span<const BenchRay> rays, std::span<BenchHit> hits) override {
-    const auto start = Clock::now();
+    const Stopwatch watch;
     parallel_chunks(rays.size(), threads_, [&](std::size_t begin, std::size_t end) {
       RTCIntersectContext context;
       rtcInitIntersectContext(&context);
@@ -76,7 +70,7 @@ class EmbreeEngine final : public TraceEngine {
         hits[i] = query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? BenchHit{} : BenchHit{query.ray.tfar, query.hit.primID};
       }
     });
-    const double ms = ms_since(start);
+    const double ms = watch.ms();
     ZC_TRY(fault("rtcIntersect1"));
     return ms;
   }

@@ -12,9 +12,8 @@
 namespace zc::bench {
 
 // work(begin, end) must not throw.
-template <class Work>
+template <std::size_t kChunk = 1024, class Work>
 void parallel_chunks(std::size_t count, unsigned threads, const Work& work) {
-  constexpr std::size_t kChunk = 1024;
   std::atomic<std::size_t> next = 0;
   const auto run = [&] {
     for (std::size_t begin = next.fetch_add(kChunk); begin < count; begin = next.fetch_add(kChunk))

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "replay/bench/stopwatch.h"
 #include "replay/world_report.h"
 #include "runtime/zone_set.h"
 #include "shaders/shared/page_node.h"
@@ -46,16 +46,6 @@ void each_node(RootPage& page, const Visit& visit) {
   }
 }
 
-double half_area(const WideNodeBox& box) {
-  std::array<double, 3> size{};
-  for (std::size_t axis = 0; axis < 3; ++axis) size[axis] = static_cast<double>(box.max[axis] - box.min[axis]);
-  return size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
-}
-
-double now_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 TopLevelRow make_row(std::string engine, std::vector<double> times) {
   std::ranges::sort(times);
   return {std::move(engine), times[times.size() / 2], times[(times.size() * 95 - 1) / 100]};
@@ -76,9 +66,9 @@ Result<TopLevelRow> time_set_zones(std::span<const RootPage> pages, std::span<co
     zones.clear();
     for (std::size_t i = 0; i < pages.size(); ++i)
       if (pages.size() == 1 || i != r * 7 % pages.size()) zones.push_back({0, 0, 0, 0, words[i], 0, 0, 0});
-    const double start = now_ms();
+    const Stopwatch watch;
     ZC_TRY(set.set_zones(zones));
-    times.push_back(now_ms() - start);
+    times.push_back(watch.ms());
   }
   return make_row("set_zones", std::move(times));
 }
@@ -104,16 +94,8 @@ std::vector<RootPage> repeat_root_pages(std::span<const RootPage> pages, std::si
   NodeBox all;
   for (const RootPage& page : pages) {
     RootPage copy = page;
-    each_node(copy, [&](const gpu::PageNode& node) {
-      for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
-        if (((inner_mask(node) | leaf_mask(node)) >> slot & 1U) == 0) continue;
-        const WideNodeBox box = child_box(node, slot);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          all.min[axis] = static_cast<std::int32_t>(std::min<std::int64_t>(all.min[axis], box.min[axis]));
-          all.max[axis] = static_cast<std::int32_t>(std::max<std::int64_t>(all.max[axis], box.max[axis]));
-        }
-      }
-    });
+    each_node(copy,
+              [&](const gpu::PageNode& node) { all.add(bounds_of_slots(node, inner_mask(node) | leaf_mask(node))); });
   }
   std::size_t side = 1;
   while (side * side * pages.size() < count) ++side;
@@ -139,21 +121,14 @@ double top_level_cost(std::span<const gpu::PageNode> nodes, std::span<const Trac
     if (inner_mask(page.root->root) != 0)
       children_of_roots.insert(page.page_word + gpu::kPageHeaderWords + page.root->root.child_offset);
   double sum = 0;
-  NodeBox all;
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
     const gpu::PageNode& node = nodes[i];
     const std::uint32_t child_word = first_word + i * gpu::kPageNodeWords + node.child_offset;
     if (inner_mask(node) == 0 || (child_word < first_word && !children_of_roots.contains(child_word))) continue;
-    for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
-      if ((inner_mask(node) >> slot & 1U) == 0) continue;
-      const WideNodeBox box = child_box(node, slot);
-      sum += half_area(box);
-      for (std::size_t axis = 0; i == 0 && axis < 3; ++axis) {
-        all.min[axis] = static_cast<std::int32_t>(std::min<std::int64_t>(all.min[axis], box.min[axis]));
-        all.max[axis] = static_cast<std::int32_t>(std::max<std::int64_t>(all.max[axis], box.max[axis]));
-      }
-    }
+    for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot)
+      if ((inner_mask(node) >> slot & 1U) != 0) sum += bounds_of_slots(node, 1U << slot).half_area();
   }
+  const NodeBox all = nodes.empty() ? NodeBox{} : bounds_of_slots(nodes[0], inner_mask(nodes[0]));
   return all.half_area() > 0 ? 1 + sum / all.half_area() : 1;
 }
 
@@ -176,9 +151,9 @@ Result<TopLevelReport> run_top_level_bench(std::string scene, std::span<const Ro
   std::vector<double> times;
   TopLevelBuilder top;
   for (unsigned r = 0; r < options.repeat; ++r) {
-    const double start = now_ms();
+    const Stopwatch watch;
     top.build(traced, at);
-    times.push_back(now_ms() - start);
+    times.push_back(watch.ms());
   }
   report.nodes = top.nodes().size();
   report.depth = top.depth();

@@ -2,14 +2,13 @@
 #include "replay/bench/zonecast_engine.h"
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cmath>
 #include <map>
-#include <thread>
 #include <utility>
 
 #include "base/check.h"
+#include "replay/bench/parallel_chunks.h"
+#include "replay/bench/stopwatch.h"
 #include "runtime/renderer.h"
 #include "runtime/zone_set.h"
 
@@ -18,10 +17,6 @@ namespace {
 
 constexpr float kFarthestM = 1e30F;
 constexpr std::uint32_t kPictureWidth = 1024;  // the renderer takes as many rays as its picture has pixels
-
-double ms_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 // The zone's triangles on its own 16-bit lattice, welded; the record says where that lies.
 ZoneMesh weld_zone(const BenchScene& scene, const BenchZone& zone, NodeRecord& node) {
@@ -106,9 +101,9 @@ class ZonecastEngine final : public TraceEngine {
       at += static_cast<std::uint32_t>(pages[i].words.size());
       order_.push_back(std::move(pages[i].order));
     }
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     ZC_TRY(zones_.set_zones(entries));
-    figures_.build_ms += ms_since(start);
+    figures_.build_ms += watch.ms();
     figures_.bytes = 4 * (words + zones_.end_word() - zones_.root_word());
     entries_ = std::move(entries);
     return {};
@@ -155,24 +150,16 @@ class ZonecastEngine final : public TraceEngine {
     std::vector<ZoneMesh> meshes;
     for (std::size_t i = 0; i < pages.size(); ++i) meshes.push_back(weld_zone(scene, scene.zones[i], nodes[i]));
     std::vector<Status> results(pages.size());
-    const auto start = std::chrono::steady_clock::now();
-    std::atomic<std::size_t> next = 0;
-    const auto work = [&] {
-      for (std::size_t i = next++; i < pages.size(); i = next++) {
-        Result<ZonePage> page = builder_(meshes[i], nodes[i]);
-        if (page) {
-          pages[i] = *std::move(page);
-        } else {
-          results[i] = std::move(page).error();
-        }
+    const Stopwatch watch;
+    parallel_chunks<1>(pages.size(), threads_, [&](std::size_t i, std::size_t /*end*/) {
+      Result<ZonePage> page = builder_(meshes[i], nodes[i]);
+      if (page) {
+        pages[i] = *std::move(page);
+      } else {
+        results[i] = std::move(page).error();
       }
-    };
-    {
-      std::vector<std::jthread> helpers;
-      for (unsigned i = 1; i < threads_; ++i) helpers.emplace_back(work);
-      work();
-    }
-    figures_.build_ms = ms_since(start);
+    });
+    figures_.build_ms = watch.ms();
     for (Status& result : results) ZC_TRY(std::move(result));
     return pages;
   }

@@ -77,6 +77,20 @@ struct WideNodeBox {
   return box;
 }
 
+// The slots in `used` as one box, within 32 bits: verify_page sees to it that they are.
+[[nodiscard]] inline NodeBox bounds_of_slots(const gpu::PageNode& node, std::uint32_t used) {
+  NodeBox all;
+  for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
+    if ((used >> slot & 1U) == 0) continue;
+    const WideNodeBox box = child_box(node, slot);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      all.min[axis] = static_cast<std::int32_t>(std::min<std::int64_t>(all.min[axis], box.min[axis]));
+      all.max[axis] = static_cast<std::int32_t>(std::max<std::int64_t>(all.max[axis], box.max[axis]));
+    }
+  }
+  return all;
+}
+
 // A node whose slots have these boxes (empty ones: no child), without masks and references. Extents stay below 2^31.
 // The grid is aligned to multiples of its step in the world, so that a child's grid nests in its parent's and a child's
 // rounded boxes stay in the box that its parent has for it.

@@ -86,8 +86,8 @@ class PageCheck {
       const std::uint64_t triangles = cluster_triangles(cluster);
       const std::uint64_t vertices = cluster_vertices(cluster);
       const std::uint64_t words = cluster_words(vertices, triangles);
-      if (triangles == 0 || vertices == 0 || vertices > gpu::kClusterMaxVertices ||
-          at + words > header_.entries_offset_words)
+      if (triangles == 0 || triangles > gpu::kClusterMaxTriangles || vertices == 0 ||
+          vertices > gpu::kClusterMaxVertices || at + words > header_.entries_offset_words)
         return fault("cluster out of range", at);
       if (!std::isfinite(cluster.error_m) || cluster.error_m < 0)
         return fault("an error bound is not a number", at + 4);

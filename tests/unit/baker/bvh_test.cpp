@@ -10,6 +10,7 @@
 #include "baker/bvh/binned_sah.h"
 #include "baker/bvh/build_wide.h"
 #include "baker/bvh/page_nodes.h"
+#include "baker/bvh/simulate.h"
 #include "shaders/shared/page_node.h"
 #include "streamer/world_format/page_view.h"
 
@@ -51,8 +52,8 @@ struct Walk {
   }
 };
 
-// Of trees that keep triangles whole: each in one leaf, whose box holds all of it. EveryMethodCoversEveryPoint… speaks of
-// those that split them.
+// Of trees that keep triangles whole: each in one leaf, whose box holds all of it. EveryMethodCoversEveryPoint… speaks
+// of those that split them.
 void expect_valid(ZoneMesh mesh, BvhBuildOptions options = {}) {
   options.method = BvhMethod::kSweepReinsert;
   mesh.materials.resize(mesh.triangles.size());
@@ -294,6 +295,50 @@ TEST(BvhMethods, EqualBoxesAndLinesKeepTheDepth) {
       ASSERT_TRUE(tree.ok());
       EXPECT_LE(tree->depth, gpu::kPageMaxDepth);
     }
+  }
+}
+
+TEST(BvhMethods, SimulatedRaysFindWhatEveryTriangleInTurnFinds) {
+  const std::vector<BvhTriangle> triangles = slivers_and_crumbs(1500);
+  const std::vector<SampleRay> rays = make_sample_rays(triangles);
+  for (const BvhMethodName& entry : bvh_methods()) {
+    SCOPED_TRACE(entry.name);
+    BvhBuildOptions options;
+    options.method = entry.method;
+    const Result<WideTree> tree = build_wide_bvh(triangles, options);
+    ASSERT_TRUE(tree.ok());
+    const TreeSimulation simulation(*tree, triangles);
+    TraceCounts counts;
+    std::size_t met = 0;
+    for (const SampleRay& ray : rays) {
+      SampleHit expected;
+      for (std::uint32_t t = 0; t < triangles.size(); ++t) test_triangle(triangles[t], t, ray, expected);
+      const SampleHit hit = simulation.trace(ray, counts);
+      EXPECT_EQ(hit.triangle, expected.triangle);
+      met += hit.triangle != SampleHit{}.triangle ? 1 : 0;
+    }
+    EXPECT_GT(met, rays.size() / 4);
+    EXPECT_LT(counts.triangles, rays.size() * triangles.size() / 4);
+  }
+}
+
+TEST(WideBvh, ClustersHoldNoMoreTrianglesThanAHitCanNumber) {
+  // A fan over few vertices: only the number of triangles can end a cluster.
+  ZoneMesh fan;
+  for (std::uint16_t i = 0; i < 60; ++i)
+    fan.vertices.push_back({static_cast<std::uint16_t>(i * 100), static_cast<std::uint16_t>(i * i), 0});
+  for (std::uint32_t a = 0; a < 60; ++a)
+    for (std::uint32_t b = a + 1; b + 1 < 60; ++b) fan.triangles.push_back({a, b, b + 1});
+  fan.materials.resize(fan.triangles.size());
+  NodeRecord record;
+  record.triangle_count = static_cast<std::uint32_t>(fan.triangles.size());
+  const auto tree = build_wide_bvh(triangles_of(fan), {});
+  ASSERT_TRUE(tree.ok());
+  const BvhFile bvh = lay_out_bvh(*tree, fan, record);
+  ASSERT_GT(bvh.clusters.size(), 2U);
+  for (std::size_t c = 0; c < bvh.clusters.size(); ++c) {
+    const std::size_t end = c + 1 < bvh.clusters.size() ? bvh.clusters[c + 1] : bvh.order.size();
+    EXPECT_LE(end - bvh.clusters[c], gpu::kClusterMaxTriangles);
   }
 }
 
