@@ -17,6 +17,8 @@ void add_bake(CLI::App& app, const SetCommand& set);
 void add_inspect(CLI::App& app, const SetCommand& set);
 void add_replay(CLI::App& app, const SetCommand& set);
 void add_bench(CLI::App& app, const SetCommand& set);
+void add_bench_build(CLI::App& bench, const SetCommand& set);
+void add_bench_trace(CLI::App& bench, const SetCommand& set);
 void add_bench_top_level(CLI::App& bench, const SetCommand& set);
 
 }  // namespace zc

@@ -26,8 +26,8 @@ ARROWS = {
     "tests": ROOMS,
 }
 # The composition root's commands that join the baker; no other file outside baker/ and its tests may.
-JOINS_BAKER = ("replay/bvh_option.h", "replay/command_bake.cpp", "replay/command_bench.cpp", "replay/command_bench_top_level.cpp",
-               "replay/command_generate.cpp")
+JOINS_BAKER = ("replay/bench_subject.cpp", "replay/bench_subject.h", "replay/bvh_option.h", "replay/command_bake.cpp",
+               "replay/command_bench_build.cpp", "replay/command_bench_top_level.cpp", "replay/command_bench_trace.cpp", "replay/command_generate.cpp")
 
 # Library -> the rooms whose files may include it.
 LIBRARIES = {

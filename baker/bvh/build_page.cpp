@@ -5,12 +5,21 @@
 
 namespace zc {
 
-Result<BuiltPage> build_page(const ZoneMesh& mesh, const BvhBuildOptions& options, std::uint32_t material_count,
-                             NodeRecord& node, const std::string& name) {
+std::vector<BvhTriangle> bvh_triangles(const ZoneMesh& mesh) {
   std::vector<BvhTriangle> triangles(mesh.triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) triangles[i][k] = mesh.vertices[mesh.triangles[i][k]];
-  ZC_ASSIGN(const WideTree tree, build_wide_bvh(triangles, options));
+  return triangles;
+}
+
+Result<BuiltPage> build_page(const ZoneMesh& mesh, const BvhBuildOptions& options, std::uint32_t material_count,
+                             NodeRecord& node, const std::string& name) {
+  ZC_ASSIGN(const WideTree tree, build_wide_bvh(bvh_triangles(mesh), options));
+  return lay_out_page(tree, mesh, material_count, node, name);
+}
+
+Result<BuiltPage> lay_out_page(const WideTree& tree, const ZoneMesh& mesh, std::uint32_t material_count,
+                               NodeRecord& node, const std::string& name) {
   BuiltPage page;
   page.bvh = lay_out_bvh(tree, mesh, node);
   node.bvh_node_count = static_cast<std::uint32_t>(page.bvh.nodes.size());

@@ -130,14 +130,18 @@ SampleHit TreeSimulation::trace(const SampleRay& ray, TraceCounts& counts) const
   }
 }
 
+double mean_cost(const TraceCounts& counts, std::size_t rays) {
+  ZC_CHECK(rays > 0);
+  return (kNodeVisitCost * static_cast<double>(counts.nodes) +
+          kTriangleTestCost * static_cast<double>(counts.triangles)) /
+         static_cast<double>(rays);
+}
+
 double simulated_cost(const WideTree& tree, std::span<const BvhTriangle> triangles, std::span<const SampleRay> rays) {
-  ZC_CHECK(!rays.empty());
   const TreeSimulation simulation(tree, triangles);
   TraceCounts counts;
   for (const SampleRay& ray : rays) simulation.trace(ray, counts);
-  return (kNodeVisitCost * static_cast<double>(counts.nodes) +
-          kTriangleTestCost * static_cast<double>(counts.triangles)) /
-         static_cast<double>(rays.size());
+  return mean_cost(counts, rays.size());
 }
 
 }  // namespace zc

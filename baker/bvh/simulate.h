@@ -71,6 +71,7 @@ class TreeSimulation {
 };
 
 // Cost of one ray, on average.
+double mean_cost(const TraceCounts& counts, std::size_t rays);
 double simulated_cost(const WideTree& tree, std::span<const BvhTriangle> triangles, std::span<const SampleRay> rays);
 
 }  // namespace zc

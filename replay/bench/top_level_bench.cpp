@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstdio>
 #include <cstring>
 #include <memory>
 #include <set>
 #include <utility>
 
 #include "base/check.h"
+#include "replay/bench/print_figures.h"
 #include "replay/bench/stopwatch.h"
 #include "replay/world_report.h"
 #include "runtime/zone_set.h"
@@ -173,14 +173,9 @@ Result<TopLevelReport> run_top_level_bench(std::string scene, std::span<const Ro
 std::string top_level_table(const TopLevelReport& report) {
   std::string text = report.scene + ": " + std::to_string(report.zones) + " zones, " + std::to_string(report.nodes) +
                      " nodes, depth " + std::to_string(report.depth);
-  std::array<char, 160> line{};
-  std::snprintf(line.data(), line.size(), ", %.2f nodes a ray\n%-16s %9s %9s\n", report.cost, "engine", "build ms",
-                "p95 ms");
-  text += line.data();
-  for (const TopLevelRow& row : report.rows) {
-    std::snprintf(line.data(), line.size(), "%-16s %9.4f %9.4f\n", row.engine.c_str(), row.median_ms, row.p95_ms);
-    text += line.data();
-  }
+  text += format(", %.2f nodes a ray\n%-16s %9s %9s\n", report.cost, "engine", "build ms", "p95 ms");
+  for (const TopLevelRow& row : report.rows)
+    text += format("%-16s %9.4f %9.4f\n", row.engine.c_str(), row.median_ms, row.p95_ms);
   for (const std::string& cause : report.left_out) text += "left out: " + cause + '\n';
   return text;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "replay/bench/engines.h"
+#include "replay/bench/print_figures.h"
 
 namespace zc::bench {
 namespace {
@@ -20,12 +21,6 @@ std::vector<const EngineEntry*> choose(std::span<const std::string> names) {
   if (names.empty())
     for (const EngineEntry& entry : all_engines()) chosen.push_back(&entry);
   return chosen;
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
 }  // namespace

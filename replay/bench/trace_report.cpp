@@ -2,9 +2,9 @@
 // The table and the JSON of `zonecast bench trace`.
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <string_view>
 
+#include "replay/bench/print_figures.h"
 #include "replay/bench/trace_bench.h"
 
 namespace zc::bench {
@@ -20,13 +20,6 @@ double bytes_per_triangle(const TraceBenchReport& report, const EngineRow& row) 
   return static_cast<double>(row.figures.bytes) / static_cast<double>(report.triangles);
 }
 
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  std::array<char, 256> line{};
-  const int length = std::snprintf(line.data(), line.size(), pattern, values...);
-  return {line.data(), std::min(static_cast<std::size_t>(std::max(length, 0)), line.size() - 1)};
-}
-
 }  // namespace
 
 std::string trace_table(const TraceBenchReport& report) {
@@ -38,10 +31,9 @@ std::string trace_table(const TraceBenchReport& report) {
   for (const std::string_view yardstick : kYardsticks) text += format(" %11s", ("x " + std::string(yardstick)).c_str());
   text += '\n';
   for (const EngineRow& row : report.rows) {
-    text += format("%-12s %-22s %9.3f %9.3f %9.1f %8.1f %10llu", report.scene.substr(0, 12).c_str(),
-                   row.engine.c_str(), mrays_per_s(report, row.median_ms), mrays_per_s(report, row.best_ms),
-                   row.figures.build_ms, bytes_per_triangle(report, row),
-                   static_cast<unsigned long long>(row.comparison.mismatches));
+    text += format("%-12s %-22s %9.3f %9.3f %9.1f %8.1f %10llu", report.scene.substr(0, 12).c_str(), row.engine.c_str(),
+                   mrays_per_s(report, row.median_ms), mrays_per_s(report, row.best_ms), row.figures.build_ms,
+                   bytes_per_triangle(report, row), static_cast<unsigned long long>(row.comparison.mismatches));
     for (const std::string_view yardstick : kYardsticks) {
       const auto other = std::ranges::find(report.rows, yardstick, &EngineRow::engine);
       text += other == report.rows.end() || row.median_ms <= 0 ? format(" %11s", "-")
@@ -54,9 +46,9 @@ std::string trace_table(const TraceBenchReport& report) {
 }
 
 nlohmann::ordered_json trace_json(const TraceBenchReport& report) {
-  nlohmann::ordered_json json = {{"driver", report.driver},       {"device", report.device},
-                                 {"rays", report.rays},           {"triangles", report.triangles},
-                                 {"zones", report.zones},         {"left_out", report.left_out}};
+  nlohmann::ordered_json json = {{"driver", report.driver}, {"device", report.device},
+                                 {"rays", report.rays},     {"triangles", report.triangles},
+                                 {"zones", report.zones},   {"left_out", report.left_out}};
   json["rows"] = nlohmann::ordered_json::array();
   for (const EngineRow& row : report.rows) {
     json["rows"].push_back({{"case", report.scene},
