@@ -24,9 +24,6 @@ constexpr std::array kMethods = {
     BvhMethodName{BvhMethod::kSbvhReinsert, "sbvh+reinsert"},
 };
 
-// What `auto` chooses from.
-constexpr std::array kCandidates = {BvhMethod::kSweep, BvhMethod::kSweepReinsert, BvhMethod::kSbvh};
-
 WideTree collapse_within_depth(const BinaryTree& binary, const CollapseOptions& options) {
   WideTree tree = collapse(binary, options);
   if (tree.depth > gpu::kPageMaxDepth) {
@@ -66,32 +63,42 @@ double estimated_page_bytes(const WideTree& tree) {
   return 80.0 * static_cast<double>(tree.nodes.size()) + 8.0 * static_cast<double>(tree.references.size());
 }
 
-// Candidates with and without reinsertion, which follow one another, share their tree.
-WideTree build_cheapest(std::span<const BvhTriangle> triangles, const BvhBuildOptions& options) {
-  const std::vector<SampleRay> rays = make_sample_rays(triangles);
-  WideTree best;
-  double best_score = std::numeric_limits<double>::infinity();
-  BinaryTree binary;
-  BvhMethod built = BvhMethod::kAuto;  // nothing yet
-  for (const BvhMethod method : kCandidates) {
-    const BvhMethod plain = without_reinsertion(method);
-    if (built != plain) binary = build_binary(triangles, plain, options);
-    built = plain;
-    if (method != plain) {
-      optimize_by_reinsertion(binary, options.reinsertion);
-      built = BvhMethod::kAuto;
-    }
-    WideTree tree = collapse_within_depth(binary, options.collapse);
-    const double bytes = estimated_page_bytes(tree) / static_cast<double>(triangles.size());
-    double score = simulated_cost(tree, triangles, rays) * (1 + options.byte_weight * bytes);
-    if (bytes > options.bytes_per_triangle_max) score *= 1e3 * bytes;  // behind all that stay within; then the smallest
-    if (tree.depth > options.depth_preferred) score *= 1e6 * tree.depth;
-    if (score < best_score) {
-      best_score = score;
-      best = std::move(tree);
-    }
+// Keeps the candidate that scores least.
+class Cheapest {
+ public:
+  Cheapest(std::span<const BvhTriangle> triangles, const BvhBuildOptions& options)
+      : triangles_(triangles), options_(options), rays_(make_sample_rays(triangles)) {}
+
+  void consider(WideTree&& tree) {
+    const double bytes = estimated_page_bytes(tree) / static_cast<double>(triangles_.size());
+    double score = simulated_cost(tree, triangles_, rays_) * (1 + options_.byte_weight * bytes);
+    if (bytes > options_.bytes_per_triangle_max) score *= 1e3 * bytes;  // behind all that stay within; then the smallest
+    if (tree.depth > options_.depth_preferred) score *= 1e6 * tree.depth;
+    if (score >= best_score_) return;
+    best_score_ = score;
+    best_ = std::move(tree);
   }
-  return best;
+  WideTree take() && { return std::move(best_); }
+
+ private:
+  std::span<const BvhTriangle> triangles_;
+  const BvhBuildOptions& options_;
+  std::vector<SampleRay> rays_;
+  WideTree best_;
+  double best_score_ = std::numeric_limits<double>::infinity();
+};
+
+WideTree build_cheapest(std::span<const BvhTriangle> triangles, const BvhBuildOptions& options) {
+  Cheapest cheapest(triangles, options);
+  const BinaryTree plain = build_binary(triangles, BvhMethod::kBinned, options);
+  BinaryTree optimized = plain;
+  optimize_by_reinsertion(optimized, options.reinsertion);
+  WideTree tree = collapse_within_depth(optimized, options.collapse);
+  const bool deep = tree.depth > options.depth_preferred;
+  cheapest.consider(std::move(tree));
+  if (deep) cheapest.consider(collapse_within_depth(plain, options.collapse));
+  cheapest.consider(collapse_within_depth(build_binary(triangles, BvhMethod::kSbvh, options), options.collapse));
+  return std::move(cheapest).take();
 }
 
 }  // namespace

@@ -9,22 +9,24 @@
 namespace zc {
 namespace {
 
-constexpr std::uint32_t kBins = 16;
-constexpr std::uint32_t kFraction = 28;
+constexpr std::uint32_t kBinsMost = 64;
 
+// The more references, the more of what a plane misplaces pays for.
+std::uint32_t bins_for(std::size_t references) { return references >= 512 ? kBinsMost : references >= 128 ? 32 : 16; }
+
+// Of the centres, doubled; the last lane means nothing.
 struct CenterRange {
-  std::array<std::uint32_t, 3> low = {UINT32_MAX, UINT32_MAX, UINT32_MAX};
-  std::array<std::uint32_t, 3> high = {};
+  Float4 low;
+  Float4 high;
 
-  explicit CenterRange(std::span<const PackedBox> references) {
+  explicit CenterRange(std::span<const PackedBox> references) : low(references[0].centers()), high(low) {
     for (const PackedBox& r : references) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        low[axis] = std::min(low[axis], r.center(axis));
-        high[axis] = std::max(high[axis], r.center(axis));
-      }
+      const Float4 c = r.centers();
+      low = c < low ? c : low;
+      high = c > high ? c : high;
     }
   }
-  [[nodiscard]] std::uint32_t extent(std::size_t axis) const { return high[axis] - low[axis]; }
+  [[nodiscard]] float extent(std::size_t axis) const { return high[axis] - low[axis]; }
   [[nodiscard]] std::size_t widest() const {
     std::size_t best = 0;
     for (std::size_t axis = 1; axis < 3; ++axis)
@@ -47,10 +49,22 @@ void sort_keys(std::span<const PackedBox> references, std::size_t axis, Keys& ke
 }
 
 ObjectSplit sweep(std::span<const PackedBox> references) {
-  Keys keys{};
-  std::array<std::int64_t, kSweepMost> right{};
+  if (references.size() == 2) {  // all divisions cost alike
+    ObjectSplit split;
+    split.left = 1;
+    split.left_box = references[0];
+    split.right_box = references[1];
+    split.cost = split.left_box.half_area() + split.right_box.half_area();
+    split.kind = ObjectSplit::Kind::kOrdered;
+    split.order[1] = 1;
+    return split;
+  }
+  std::array<Keys, 3> by_axis;
+  std::array<std::int64_t, kSweepMost> right;
   ObjectSplit best;
+  best.kind = ObjectSplit::Kind::kOrdered;
   for (std::size_t axis = 0; axis < 3; ++axis) {
+    Keys& keys = by_axis[axis];
     sort_keys(references, axis, keys);
     PackedBox box;
     for (std::size_t i = references.size() - 1; i > 0; --i) {
@@ -69,39 +83,40 @@ ObjectSplit sweep(std::span<const PackedBox> references) {
       }
     }
   }
-  sort_keys(references, best.axis, keys);
-  for (std::size_t i = best.left; i < references.size(); ++i) best.right_box.add(references[keys[i] & 0xFFU]);
+  for (std::size_t i = 0; i < references.size(); ++i) {
+    best.order[i] = static_cast<std::uint8_t>(by_axis[best.axis][i] & 0xFFU);
+    if (i >= best.left) best.right_box.add(references[best.order[i]]);
+  }
   return best;
 }
 
 struct Bins {
-  std::array<PackedBox, kBins> boxes;
-  std::array<std::uint32_t, kBins> counts{};
+  std::array<PackedBox, kBinsMost> boxes;
+  std::array<std::uint32_t, kBinsMost> counts{};
 };
 
 ObjectSplit bin(std::span<const PackedBox> references, const CenterRange& centers) {
+  const std::uint32_t count_of_bins = bins_for(references.size());
   std::array<Bins, 3> bins;
-  std::array<std::uint32_t, 3> scale{};  // bins per unit, 28 fractional bits: a product stays below 2^32
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    if (centers.extent(axis) > 0)
-      scale[axis] = static_cast<std::uint32_t>((std::uint64_t{kBins} << kFraction) / (centers.extent(axis) + 1));
+  // The greatest centre stays below the last bin's end: extents are below 2^18, where one part more is many roundings.
+  const Float4 scale = static_cast<float>(count_of_bins) / (centers.high - centers.low + 1.0F);
   for (const PackedBox& r : references) {
+    const Int4 b = __builtin_convertvector((r.centers() - centers.low) * scale, Int4);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::uint32_t b = (r.center(axis) - centers.low[axis]) * scale[axis] >> kFraction;
-      bins[axis].boxes[b].add(r);
-      ++bins[axis].counts[b];
+      const auto at = static_cast<std::uint32_t>(b[axis]);
+      bins[axis].boxes[at].add(r);
+      ++bins[axis].counts[at];
     }
   }
   ObjectSplit best;
-  best.binned = true;
-  std::uint32_t best_bin = 0;
+  best.kind = ObjectSplit::Kind::kBinned;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (scale[axis] == 0) continue;  // all centres agree
-    std::array<std::int64_t, kBins> right{};
-    std::array<PackedBox, kBins> right_box;
+    if (centers.extent(axis) == 0) continue;
+    std::array<std::int64_t, kBinsMost> right{};
+    std::array<PackedBox, kBinsMost> right_box;
     PackedBox box;
     std::uint32_t count = 0;
-    for (std::uint32_t b = kBins - 1; b > 0; --b) {
+    for (std::uint32_t b = count_of_bins - 1; b > 0; --b) {
       box.add(bins[axis].boxes[b]);
       count += bins[axis].counts[b];
       right_box[b] = box;
@@ -109,10 +124,11 @@ ObjectSplit bin(std::span<const PackedBox> references, const CenterRange& center
     }
     box = {};
     count = 0;
-    for (std::uint32_t b = 0; b + 1 < kBins; ++b) {
+    for (std::uint32_t b = 0; b + 1 < count_of_bins; ++b) {
+      if (bins[axis].counts[b] == 0) continue;  // the same division as before
       box.add(bins[axis].boxes[b]);
       count += bins[axis].counts[b];
-      if (count == 0 || count == references.size()) continue;
+      if (count == references.size()) break;
       const std::int64_t cost = box.half_area() * count + right[b + 1];
       if (cost < best.cost) {
         best.cost = cost;
@@ -120,13 +136,13 @@ ObjectSplit bin(std::span<const PackedBox> references, const CenterRange& center
         best.left = count;
         best.left_box = box;
         best.right_box = right_box[b + 1];
-        best_bin = b;
+        best.last_bin = static_cast<std::int32_t>(b);
       }
     }
   }
   ZC_CHECK(best.left > 0);
-  // The last unit of the bin: (unit * scale) >> kFraction is at most best_bin.
-  best.last_center = centers.low[best.axis] + (((best_bin + 1) << kFraction) - 1) / scale[best.axis];
+  best.low = centers.low[best.axis];
+  best.scale = scale[best.axis];
   return best;
 }
 
@@ -151,14 +167,15 @@ ObjectSplit find_object_split(std::span<const PackedBox> references) {
 }
 
 void apply(const ObjectSplit& split, std::span<PackedBox> references) {
-  if (split.binned) {
-    std::ranges::partition(references, [&](const PackedBox& r) { return r.center(split.axis) <= split.last_center; });
-  } else if (references.size() <= kSweepMost) {
-    Keys keys{};
+  if (split.kind == ObjectSplit::Kind::kBinned) {
+    std::ranges::partition(references, [&](const PackedBox& r) {
+      return static_cast<std::int32_t>((static_cast<float>(r.center(split.axis)) - split.low) * split.scale) <=
+             split.last_bin;
+    });
+  } else if (split.kind == ObjectSplit::Kind::kOrdered) {
     std::array<PackedBox, kSweepMost> from;
     std::ranges::copy(references, from.begin());
-    sort_keys(references, split.axis, keys);
-    for (std::size_t i = 0; i < references.size(); ++i) references[i] = from[keys[i] & 0xFFU];
+    for (std::size_t i = 0; i < references.size(); ++i) references[i] = from[split.order[i]];
   } else {
     std::ranges::nth_element(references, references.begin() + static_cast<std::ptrdiff_t>(split.left), {},
                              [&](const PackedBox& r) { return std::pair(r.center(split.axis), r.triangle()); });

@@ -5,6 +5,7 @@
 // Deterministic. Thread-safe: no state.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -21,9 +22,17 @@ struct ObjectSplit {
   PackedBox left_box;
   PackedBox right_box;
   std::size_t axis = 0;
-  // How the sides are told apart: binned divisions by a centre, others by the place in the order along the axis.
-  bool binned = false;
-  std::uint32_t last_center = 0;  // doubled: the greatest on the left
+  // How the sides are told apart.
+  enum class Kind : std::uint8_t {
+    kMedian,   // by the order of centres along the axis
+    kBinned,   // by the bin of the centre along the axis
+    kOrdered,  // by the places in `order`; of at most kSweepMost references
+  };
+  Kind kind = Kind::kMedian;
+  std::int32_t last_bin = 0;  // on the left
+  float low = 0;              // centre, doubled, from which bins are counted
+  float scale = 0;            // bins per unit
+  std::array<std::uint8_t, kSweepMost> order = {};
 };
 
 // Finds the best division of at least two references; `box` bounds them. All of equal centres are halved.

@@ -11,8 +11,6 @@ constexpr std::uint32_t kBins = 16;
 
 using Point = std::array<std::uint16_t, 3>;
 
-PackedBox point_box(const Point& p) { return PackedBox(BvhBox{p, p}); }
-
 // Adds where the edge meets the plane, if it has ends on both sides of it.
 void add_crossing(PackedBox& box, const Point& a, const Point& b, std::size_t axis, std::uint32_t plane) {
   const Point& from = a[axis] < b[axis] ? a : b;
@@ -41,7 +39,7 @@ PackedBox plane_box(const BvhTriangle& t, std::size_t axis, std::uint32_t plane)
 
 void add_corners(PackedBox& box, const BvhTriangle& t, std::size_t axis, std::uint32_t low, std::uint32_t high) {
   for (const Point& corner : t)
-    if (corner[axis] >= low && corner[axis] <= high) box.add(point_box(corner));
+    if (corner[axis] >= low && corner[axis] <= high) box.add(PackedBox::around(corner));
 }
 
 // Equal slabs of whole lattice units over the extent of a node.
@@ -77,57 +75,56 @@ struct SlabBins {
 // division a plane.
 class Crossings {
  public:
-  Crossings(const BvhTriangle& t, std::size_t axis) : axis_(axis), corners_{&t[0], &t[1], &t[2]} {
-    if (at(1) < at(0)) std::swap(corners_[0], corners_[1]);
-    if (at(2) < at(1)) std::swap(corners_[1], corners_[2]);
-    if (at(1) < at(0)) std::swap(corners_[0], corners_[1]);
-    long_ = Edge(*corners_[0], *corners_[2], axis);
-    lower_ = Edge(*corners_[0], *corners_[1], axis);
-    upper_ = Edge(*corners_[1], *corners_[2], axis);
+  Crossings(const BvhTriangle& t, std::size_t axis) {
+    const Point* low = &t[0];
+    const Point* middle = &t[1];
+    const Point* high = &t[2];
+    if ((*middle)[axis] < (*low)[axis]) std::swap(low, middle);
+    if ((*high)[axis] < (*middle)[axis]) std::swap(middle, high);
+    if ((*middle)[axis] < (*low)[axis]) std::swap(low, middle);
+    at_ = {(*low)[axis], (*middle)[axis], (*high)[axis]};
+    corners_ = {PackedBox::around(*low), PackedBox::around(*middle), PackedBox::around(*high)};
+    long_ = Edge(*low, *high, axis);
+    lower_ = Edge(*low, *middle, axis);
+    upper_ = Edge(*middle, *high, axis);
   }
 
   // Adds the corners between two planes.
   void add_corners(PackedBox& box, std::uint32_t low, std::uint32_t high) const {
-    for (const Point* corner : corners_)
-      if ((*corner)[axis_] >= low && (*corner)[axis_] <= high) box.add(point_box(*corner));
+    for (std::size_t i = 0; i < 3; ++i)
+      if (at_[i] >= low && at_[i] <= high) box.add(corners_[i]);
   }
   // Bounds on the plane; empty outside of the triangle.
   [[nodiscard]] PackedBox at_plane(std::uint32_t plane) const {
-    PackedBox box;
-    if (plane < at(0) || plane > at(2)) return box;
-    add(box, long_, plane);
-    add(box, plane < at(1) ? lower_ : upper_, plane);
+    if (plane < at_[0] || plane > at_[2]) return {};
+    PackedBox box = long_.at(plane);
+    box.add((plane < at_[1] ? lower_ : upper_).at(plane));
     return box;
   }
 
  private:
   struct Edge {
-    std::array<float, 2> base{};
-    std::array<float, 2> slope{};
+    Float4 base = {};
+    Float4 slope = {};
     std::uint32_t start = 0;
     Edge() = default;
     Edge(const Point& from, const Point& to, std::size_t axis) : start(from[axis]) {
+      const auto corner = [](const Point& p) {
+        return Float4{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]), 0};
+      };
+      base = corner(from) + 0.5F;
       const float scale = to[axis] > from[axis] ? 1.0F / static_cast<float>(to[axis] - from[axis]) : 0;
-      const std::array<std::size_t, 2> others = {(axis + 1) % 3, (axis + 2) % 3};
-      for (std::size_t i = 0; i < 2; ++i) {
-        slope[i] = static_cast<float>(to[others[i]] - from[others[i]]) * scale;
-        base[i] = static_cast<float>(from[others[i]]) + 0.5F;
-      }
+      slope = (corner(to) - corner(from)) * scale;
+    }
+    [[nodiscard]] PackedBox at(std::uint32_t plane) const {
+      const auto point = __builtin_convertvector(base + slope * static_cast<float>(plane - start), Int4);
+      const auto halves = std::bit_cast<std::array<std::uint64_t, 2>>(point);
+      return PackedBox::around((halves[0] & 0xFFFFU) | (halves[0] >> 16U & 0xFFFF0000U) | halves[1] << 32U);
     }
   };
 
-  [[nodiscard]] std::uint32_t at(std::size_t corner) const { return (*corners_[corner])[axis_]; }
-  void add(PackedBox& box, const Edge& edge, std::uint32_t plane) const {
-    Point p{};
-    p[axis_] = static_cast<std::uint16_t>(plane);
-    const auto x = static_cast<float>(plane - edge.start);
-    p[(axis_ + 1) % 3] = static_cast<std::uint16_t>(static_cast<std::int32_t>(edge.base[0] + edge.slope[0] * x));
-    p[(axis_ + 2) % 3] = static_cast<std::uint16_t>(static_cast<std::int32_t>(edge.base[1] + edge.slope[1] * x));
-    box.add(point_box(p));
-  }
-
-  std::size_t axis_;
-  std::array<const Point*, 3> corners_;  // ascending along the axis
+  std::array<std::uint32_t, 3> at_{};  // of the corners along the axis, ascending
+  std::array<PackedBox, 3> corners_;
   Edge long_, lower_, upper_;
 };
 
@@ -162,43 +159,44 @@ PackedBox slab_box(const BvhTriangle& triangle, std::size_t axis, std::uint32_t 
 SpatialSplit find_spatial_split(std::span<const PackedBox> references, const PackedBox& box,
                                 std::span<const BvhTriangle> triangles) {
   SpatialSplit best;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto extent = static_cast<std::uint32_t>(box.extent(axis));
-    if (extent < 2) continue;
-    const Slabs slabs(box.min(axis), extent);
-    SlabBins bins;
-    for (const PackedBox& r : references) {
-      const std::uint32_t first = slabs.first(r.min(axis));
-      const std::uint32_t last = slabs.last(r.min(axis), r.max(axis));
-      ++bins.entries[first];
-      ++bins.exits[last];
-      if (first == last) {
-        bins.boxes[first].add(r);
-      } else {
-        add_pieces(bins, slabs, axis, first, last, r, triangles[r.triangle()]);
-      }
+  std::size_t axis = 0;
+  for (std::size_t other = 1; other < 3; ++other)
+    if (box.extent(other) > box.extent(axis)) axis = other;
+  const auto extent = static_cast<std::uint32_t>(box.extent(axis));
+  if (extent < 2) return best;
+  const Slabs slabs(box.min(axis), extent);
+  SlabBins bins;
+  for (const PackedBox& r : references) {
+    const std::uint32_t first = slabs.first(r.min(axis));
+    const std::uint32_t last = slabs.last(r.min(axis), r.max(axis));
+    ++bins.entries[first];
+    ++bins.exits[last];
+    if (first == last) {
+      bins.boxes[first].add(r);
+    } else {
+      add_pieces(bins, slabs, axis, first, last, r, triangles[r.triangle()]);
     }
-    std::array<std::int64_t, kBins> right_cost{};
-    std::array<PackedBox, kBins> right_box;
-    std::array<std::uint32_t, kBins> right_count{};
-    PackedBox side;
-    std::uint32_t count = 0;
-    for (std::uint32_t b = slabs.count - 1; b > 0; --b) {
-      side.add(bins.boxes[b]);
-      count += bins.exits[b];
-      right_box[b] = side;
-      right_count[b] = count;
-      right_cost[b] = side.area() * count;
-    }
-    side = {};
-    count = 0;
-    for (std::uint32_t b = 1; b < slabs.count; ++b) {
-      side.add(bins.boxes[b - 1]);
-      count += bins.entries[b - 1];
-      if (count == 0 || right_count[b] == 0) continue;
-      const std::int64_t cost = side.area() * count + right_cost[b];
-      if (cost < best.cost) best = {cost, count, right_count[b], side, right_box[b], axis, slabs.plane(b)};
-    }
+  }
+  std::array<std::int64_t, kBins> right_cost{};
+  std::array<PackedBox, kBins> right_box;
+  std::array<std::uint32_t, kBins> right_count{};
+  PackedBox side;
+  std::uint32_t count = 0;
+  for (std::uint32_t b = slabs.count - 1; b > 0; --b) {
+    side.add(bins.boxes[b]);
+    count += bins.exits[b];
+    right_box[b] = side;
+    right_count[b] = count;
+    right_cost[b] = side.area() * count;
+  }
+  side = {};
+  count = 0;
+  for (std::uint32_t b = 1; b < slabs.count; ++b) {
+    side.add(bins.boxes[b - 1]);
+    count += bins.entries[b - 1];
+    if (count == 0 || right_count[b] == 0) continue;
+    const std::int64_t cost = side.area() * count + right_cost[b];
+    if (cost < best.cost) best = {cost, count, right_count[b], side, right_box[b], axis, slabs.plane(b)};
   }
   return best;
 }

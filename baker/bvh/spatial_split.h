@@ -28,7 +28,8 @@ struct SpatialSplit {
   std::uint32_t plane = 0;
 };
 
-// The best plane among a few along each axis; its cost is greatest where there is none. `box` bounds the references.
+// The best plane among a few across the widest axis of `box`, which bounds the references; its cost is greatest where
+// there is none. (With planes across all axes rays cost less by less than one part in a hundred, building twice as much.)
 SpatialSplit find_spatial_split(std::span<const PackedBox> references, const PackedBox& box,
                                 std::span<const BvhTriangle> triangles);
 
