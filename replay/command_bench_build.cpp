@@ -267,7 +267,7 @@ Status run(const Arguments& a) {
   constexpr std::uint32_t kLeaf = gpu::kNodeMaxTriangles / gpu::kNodeWidth;
   constexpr std::array kQualities = {std::pair("morton", EmbreeQuality::kMorton), std::pair("sah", EmbreeQuality::kSah),
                                      std::pair("sbvh", EmbreeQuality::kSplits)};
-  for (const auto& [name, quality] : kQualities)
+  for (const auto& [name, quality] : kQualities)  // as Embree makes wide nodes
     builders.push_back(
         make_peer("embree/" + std::string(name), {quality, gpu::kNodeWidth, kLeaf}, embree.get(), zones));
   for (const auto& [name, quality] : kQualities)

@@ -15,6 +15,9 @@ SIZE = "160x90"
 OURS = {"zonecast/packets", "zonecast/packets_32", "zonecast/packets_storage", "zonecast/single",
         "zonecast/single_storage"}
 PEERS = {"thesis", "bvh2", "ray_query", "embree", "embree_robust"}
+OWN_BUILDERS = {"zonecast/" + name for name in ("auto", "binned", "sweep", "sbvh", "binned+reinsert", "sweep+reinsert",
+                                                "sbvh+reinsert")}
+PEER_BUILDERS = {"embree/" + name + form for name in ("morton", "sah", "sbvh") for form in ("", "+collapse")}
 NEED_NO_MORE_THAN_VULKAN = OURS | {"thesis", "bvh2"}
 
 
@@ -174,6 +177,39 @@ class Bench(support.Case):
         for cause, (arguments, part) in cases.items():
             with self.subTest(cause=cause):
                 self.assert_refused(arguments, FAILURE, part)
+
+    def test_every_builder_makes_trees_that_find_the_nearest_triangle(self):
+        for scene in ([self.world], ["--triangles", self.triangles]):
+            report = json.loads(self.zonecast("bench", "build", *scene, "--repeat", 2, "--json", "-"))
+            rows = {row["engine"]: row for row in report["rows"]}
+            self.assertLessEqual(OWN_BUILDERS, rows.keys())
+            missing = {cause.split(":")[0] for cause in report["left_out"]}
+            self.assertEqual(PEER_BUILDERS & rows.keys(), PEER_BUILDERS - missing)
+            for row in rows.values():
+                with self.subTest(engine=row["engine"]):
+                    self.assertEqual(row["mismatches"], 0)
+                    for key in ("build_ms", "cpu_ms", "mtri_per_s", "bytes_per_triangle", "nodes", "depth"):
+                        self.assertGreater(row[key], 0, key)
+                    self.assertGreaterEqual(row["references_per_triangle"], 1)
+                    # A ray visits the root at least; costs above a hundred nodes are no tree's.
+                    for key in ("sah_cost", "ray_cost"):
+                        self.assertGreater(row[key], 1, key)
+                        self.assertLess(row[key], 100, key)
+            best = min(row["ray_cost"] for name, row in rows.items() if name.startswith("embree/"))
+            self.assertLess(rows["zonecast/auto"]["ray_cost"], 1.1 * best)
+
+    def test_builders_by_name(self):
+        table = self.zonecast("bench", "build", "--triangles", self.triangles, "--engines", "zonecast/sbvh,zonecast/binned",
+                              "--repeat", 1, "--threads", 1)
+        self.assertEqual([line.split()[1] for line in table.splitlines()[2:]], ["zonecast/sbvh", "zonecast/binned"])
+
+    def test_bad_arguments_of_build(self):
+        for arguments in (["--engines", "warp"], ["--engines", ""], ["--repeat", "0"], ["--threads", "0"],
+                          ["--triangles", self.triangles, "--thesis"], [self.world, "--triangles", self.triangles]):
+            with self.subTest(arguments=" ".join(map(str, arguments))):
+                self.assert_refused(["bench", "build", *arguments], ARGUMENTS)
+        for scene, part in (([self.folder / "none"], "none"), (["--triangles", self.folder / "none.tris"], "none.tris")):
+            self.assert_refused(["bench", "build", *scene], FAILURE, part)
 
     def test_bad_arguments(self):
         good = ["bench", "trace", "--triangles", self.triangles, "--path", self.path]

@@ -322,6 +322,46 @@ TEST(BvhMethods, SimulatedRaysFindWhatEveryTriangleInTurnFinds) {
   }
 }
 
+TEST(BvhMethods, AutoScoresNoWorseThanWhatItChoosesFrom) {
+  for (const auto& triangles : {triangles_of(random_mesh(2000)), slivers_and_crumbs(3000)}) {
+    const std::vector<SampleRay> rays = make_sample_rays(triangles);
+    BvhBuildOptions options;
+    const auto score = [&](BvhMethod method) {
+      options.method = method;
+      const Result<WideTree> tree = build_wide_bvh(triangles, options);
+      const double bytes = (80.0 * static_cast<double>(tree->nodes.size()) +
+                            8.0 * static_cast<double>(tree->references.size())) /
+                           static_cast<double>(triangles.size());
+      EXPECT_LE(tree->depth, options.depth_preferred);
+      const double cost = simulated_cost(*tree, triangles, rays) * (1 + options.byte_weight * bytes);
+      return bytes > options.bytes_per_triangle_max ? cost * 1e3 * bytes : cost;
+    };
+    const double chosen = score(BvhMethod::kAuto);
+    EXPECT_LE(chosen, score(BvhMethod::kBinnedReinsert));
+    EXPECT_LE(chosen, score(BvhMethod::kSbvh));
+  }
+}
+
+TEST(BvhMethods, ReinsertionLowersTheSumOfAreas) {
+  const auto areas = [](const BinaryTree& tree) {
+    std::int64_t sum = 0;
+    for (const BinaryNode& node : tree.nodes) sum += node.is_leaf() ? 0 : node.box.half_area();
+    return sum;
+  };
+  for (const std::size_t count : {3UL, 4UL, 40UL, 3000UL}) {
+    const std::vector<BvhTriangle> triangles = slivers_and_crumbs(count);
+    BinaryTree tree = build_sbvh(triangles, {});
+    const std::int64_t before = areas(tree);
+    const std::size_t references = tree.references.size();
+    optimize_by_reinsertion(tree, {});
+    EXPECT_LE(areas(tree), before);
+    EXPECT_EQ(tree.references.size(), references);
+    if (count >= 40) {
+      EXPECT_LT(areas(tree), before);
+    }
+  }
+}
+
 TEST(WideBvh, ClustersHoldNoMoreTrianglesThanAHitCanNumber) {
   // A fan over few vertices: only the number of triangles can end a cluster.
   ZoneMesh fan;
