@@ -49,7 +49,9 @@ constexpr std::array kVariantEntries = {VkSpecializationMapEntry{0, offsetof(Pas
                                         VkSpecializationMapEntry{2, offsetof(PassVariant, trace_host), 4},
                                         VkSpecializationMapEntry{3, offsetof(PassVariant, pool_path), 4},
                                         VkSpecializationMapEntry{4, offsetof(PassVariant, rays_per_lane), 4},
-                                        VkSpecializationMapEntry{5, offsetof(PassVariant, check_access), 4}};
+                                        VkSpecializationMapEntry{5, offsetof(PassVariant, check_access), 4},
+                                        VkSpecializationMapEntry{6, offsetof(PassVariant, stack_shared), 4},
+                                        VkSpecializationMapEntry{7, offsetof(PassVariant, trace_width), 4}};
 
 VkSpecializationInfo specialization(const PassVariant& variant) {
   return {static_cast<std::uint32_t>(kVariantEntries.size()), kVariantEntries.data(), sizeof(variant), &variant};

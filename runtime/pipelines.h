@@ -17,9 +17,11 @@ struct PassVariant {
   std::int32_t stack_size = 64;
   std::uint32_t use_screen = 1;
   std::uint32_t trace_host = 0;
-  std::uint32_t pool_path = 0;     // kPoolTexels or kPoolStorage
-  std::int32_t rays_per_lane = 4;  // of packets; 0: rays are traced one by one
+  std::uint32_t pool_path = 0;  // this and what follows but check_access: see TraceVariant
+  std::int32_t rays_per_lane = 4;
   std::uint32_t check_access = 0;  // 1: count reads outside the traced pages (page_fetch.glsl)
+  std::uint32_t stack_shared = 0;
+  std::uint32_t trace_width = 64;
 };
 
 class PassLayout {

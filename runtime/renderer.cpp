@@ -2,11 +2,14 @@
 #include "runtime/renderer.h"
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
+#include <utility>
 
 #include "base/check.h"
 
@@ -14,6 +17,11 @@ namespace zc {
 namespace {
 
 constexpr float kNear_m = 0.1F;
+// Of choose_trace_variant.
+constexpr double kRoundMs = 5;
+constexpr int kRounds = 5;
+constexpr std::uint32_t kRun = 64;                // rays that stay together: a packet
+constexpr std::uint32_t kRaysAtMost = 1U << 20U;  // keep any device busy
 
 void barrier(VkCommandBuffer c, VkPipelineStageFlags from, VkAccessFlags written, VkPipelineStageFlags to,
              VkAccessFlags read) {
@@ -89,12 +97,12 @@ void Renderer::dispatch_indirect(VkCommandBuffer c, const Pipeline& pipeline, st
   next_pass(c);
 }
 
-void Renderer::record_trace(VkCommandBuffer c, bool host) const {
-  if (variant_.rays_per_lane > 0) {
-    dispatch_indirect(c, host ? packet_host_ : packet_proxies_, offsetof(gpu::Counters, packet_groups_x));
-    dispatch_pixels(c, size_, 1, 1);
+void Renderer::record_trace(VkCommandBuffer c, const TraceKernels& kernels) const {
+  if (kernels.packets.handle() != VK_NULL_HANDLE) {
+    dispatch_indirect(c, kernels.packets, offsetof(gpu::Counters, packet_groups_x));
+    dispatch_pixels(c, kernels.size, 1, 1);
   }
-  dispatch_indirect(c, host ? trace_host_ : trace_proxies_, offsetof(gpu::Counters, retry_groups_x));
+  dispatch_indirect(c, kernels.rays, offsetof(gpu::Counters, retry_groups_x));
 }
 
 void Renderer::stamp(VkCommandBuffer c, std::uint32_t index) const {
@@ -139,6 +147,7 @@ Result<FrameResult> Renderer::render(const RenderCamera& camera, std::span<const
   const auto h = options_.height;
   const bool trace = options_.reflections != ReflectionMode::kNone;
   const bool hiz = options_.reflections == ReflectionMode::kScreenAndProxy;
+  ZC_ASSIGN(const TraceKernels* kernels, this->kernels(options_.reflections == ReflectionMode::kFull));
 
   ZC_TRY(device_.run([&](VkCommandBuffer c) {
     vkCmdResetQueryPool(c, queries_, 0, kPassCount + 1);
@@ -154,13 +163,13 @@ Result<FrameResult> Renderer::render(const RenderCamera& camera, std::span<const
     }
     stamp(c, 2);
     dispatch_pixels(c, classify_, w, h);
-    dispatch_pixels(c, size_, 1, 1);
+    dispatch_pixels(c, kernels->size, 1, 1);
     stamp(c, 3);
     if (trace) dispatch_indirect(c, march_, offsetof(gpu::Counters, ssr_groups_x));
     stamp(c, 4);
-    if (trace) dispatch_pixels(c, size_, 1, 1);
+    if (trace) dispatch_pixels(c, kernels->size, 1, 1);
     stamp(c, 5);
-    if (trace) record_trace(c, options_.reflections == ReflectionMode::kFull);
+    if (trace) record_trace(c, *kernels);
     stamp(c, 6);
     if (trace) dispatch_indirect(c, shade_, offsetof(gpu::Counters, trace_groups_x));
     stamp(c, 7);
@@ -243,42 +252,126 @@ gpu::Counters Renderer::counters() const {
   return counters;
 }
 
+Result<double> Renderer::trace_queue(const TraceKernels& kernels, std::uint32_t ray_count) {
+  gpu::Counters counters{};
+  counters.ray_count = ray_count;
+  std::memcpy(counters_readback_.mapped().data(), &counters, sizeof(counters));
+  ZC_TRY(device_.run([&](VkCommandBuffer c) {
+    const VkBufferCopy block{0, 0, sizeof(counters)};
+    vkCmdCopyBuffer(c, counters_readback_.handle(), counters_.handle(), 1, &block);
+    after_transfer(c);
+    dispatch_pixels(c, kernels.size, 1, 1);
+  }));
+  const auto start = std::chrono::steady_clock::now();
+  ZC_TRY(device_.run([&](VkCommandBuffer c) {
+    vkCmdResetQueryPool(c, queries_, 0, 2);
+    stamp(c, 0);
+    record_trace(c, kernels);
+    stamp(c, 1);
+  }));
+  if (!device_.has_timestamps())
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  std::array<std::uint64_t, 2> ticks{};
+  ZC_TRY(read_stamps(ticks));
+  return device_.elapsed_ms(ticks[0], ticks[1]);
+}
+
+Status Renderer::thin_queue(std::uint32_t ray_count, std::uint32_t runs) {
+  std::vector<VkBufferCopy> out;
+  for (std::uint32_t run = 0; run < runs; ++run) {
+    const VkDeviceSize from = VkDeviceSize{run} * (ray_count / kRun) / runs;
+    out.push_back({from * kRun * sizeof(gpu::RayTask), VkDeviceSize{run} * kRun * sizeof(gpu::RayTask),
+                   kRun * sizeof(gpu::RayTask)});
+  }
+  return device_.run([&](VkCommandBuffer c) {
+    vkCmdCopyBuffer(c, rays_.handle(), readback_.handle(), runs, out.data());
+    after_transfer(c);
+    const VkBufferCopy back{0, 0, VkDeviceSize{runs} * kRun * sizeof(gpu::RayTask)};
+    vkCmdCopyBuffer(c, readback_.handle(), rays_.handle(), 1, &back);
+    after_transfer(c);
+  });
+}
+
+Status Renderer::choose_trace_variant(std::uint32_t ray_count, bool host, double budget_ms) {
+  ZC_CHECK(ray_count >= kRaysToChoose);
+  const auto start = std::chrono::steady_clock::now();
+  const auto elapsed_ms = [&] {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  };
+  // Of slow devices only as many rays as the kernels in use trace in kRoundMs.
+  ZC_ASSIGN(const TraceKernels* used, kernels(host));
+  ZC_ASSIGN(const double whole_ms, trace_queue(*used, ray_count));
+  const double in_round = ray_count * kRoundMs / std::max(whole_ms, 1e-6);
+  const auto rays =
+      static_cast<std::uint32_t>(std::clamp<double>(in_round, kRaysToChoose, std::min(ray_count, kRaysAtMost)));
+  if (rays < ray_count) ZC_TRY(thin_queue(ray_count, rays / kRun));
+
+  std::vector<std::pair<TraceVariant, TraceKernels>> made;
+  std::optional<TraceKernels>& in_use = host ? kernels_host_ : kernels_proxies_;
+  made.emplace_back(options_.trace, *std::exchange(in_use, std::nullopt));
+  const auto make = [&](const TraceVariant& variant) -> Result<std::size_t> {
+    const auto known = std::ranges::find(made, variant, &std::pair<TraceVariant, TraceKernels>::first);
+    const auto place = static_cast<std::size_t>(known - made.begin());
+    if (known != made.end()) return place;
+    ZC_ASSIGN(TraceKernels fresh, create_kernels(variant, host));
+    ZC_TRY(trace_queue(fresh, kRun));  // some drivers compile only now
+    made.emplace_back(variant, std::move(fresh));
+    return place;
+  };
+  const auto measure = [&](std::span<const TraceVariant> variants) -> Result<std::vector<double>> {
+    std::vector<double> best_ms;
+    if (elapsed_ms() > budget_ms) return best_ms;
+    std::vector<std::size_t> places;
+    for (const TraceVariant& variant : variants) {
+      ZC_ASSIGN(const std::size_t place, make(variant));
+      places.push_back(place);
+    }
+    // In turn, so that whatever else the machine does hits all alike; it only ever adds.
+    best_ms.assign(places.size(), INFINITY);
+    for (int round = 0; round < kRounds; ++round) {
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        ZC_ASSIGN(const double ms, trace_queue(made[places[i]].second, rays));
+        best_ms[i] = std::min(best_ms[i], ms);
+      }
+    }
+    return best_ms;
+  };
+  ZC_ASSIGN(const TraceVariant chosen, zc::choose_trace_variant(trace_limits(device_, options_), measure));
+  if (chosen != options_.trace) {  // what else reads pages, reads them the same way
+    options_.trace = chosen;
+    kernels_proxies_.reset();
+    kernels_host_.reset();
+    resolve_proxies_ = {};
+    resolve_host_ = {};
+    ZC_TRY(create_pipelines());
+  }
+  ZC_ASSIGN(const std::size_t place, make(chosen));
+  in_use = std::move(made[place].second);
+  return {};
+}
+
 Result<std::vector<TracedHit>> Renderer::trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays,
                                                bool host, double* milliseconds) {
   ZC_CHECK(!rays.empty() && rays.size_bytes() <= rays_.bytes());
   ZC_TRY(create_resolve(host));
+  ZC_ASSIGN(const TraceKernels* kernels, this->kernels(host));
   write_frame(camera);
   std::memcpy(readback_.mapped().data(), rays.data(), rays.size_bytes());
-  gpu::Counters counters{};
-  counters.ray_count = static_cast<std::uint32_t>(rays.size());
-  std::memcpy(counters_readback_.mapped().data(), &counters, sizeof(counters));
   ZC_TRY(device_.run([&](VkCommandBuffer c) {
     const VkBufferCopy queue{0, 0, rays.size_bytes()};
     vkCmdCopyBuffer(c, readback_.handle(), rays_.handle(), 1, &queue);
-    const VkBufferCopy block{0, 0, sizeof(counters)};
-    vkCmdCopyBuffer(c, counters_readback_.handle(), counters_.handle(), 1, &block);
     after_transfer(c);
-    dispatch_pixels(c, size_, 1, 1);
   }));
-  ZC_TRY(device_.run([&](VkCommandBuffer c) {
-    vkCmdResetQueryPool(c, queries_, 0, 2);
-    stamp(c, 0);
-    record_trace(c, host);
-    stamp(c, 1);
-  }));
+  ZC_ASSIGN(const double ms, trace_queue(*kernels, static_cast<std::uint32_t>(rays.size())));
   ZC_TRY(device_.run([&](VkCommandBuffer c) {
     dispatch_indirect(c, host ? resolve_host_ : resolve_proxies_, offsetof(gpu::Counters, trace_groups_x));
     const VkBufferCopy back{0, 0, rays.size() * sizeof(gpu::HitRecord)};
     vkCmdCopyBuffer(c, hits_.handle(), readback_.handle(), 1, &back);
-    const VkBufferCopy counted{0, 0, sizeof(counters)};
+    const VkBufferCopy counted{0, 0, sizeof(gpu::Counters)};
     vkCmdCopyBuffer(c, counters_.handle(), counters_readback_.handle(), 1, &counted);
     after_transfer(c);
   }));
-  if (milliseconds != nullptr) {
-    std::array<std::uint64_t, 2> ticks{};
-    ZC_TRY(read_stamps(ticks));
-    *milliseconds = device_.elapsed_ms(ticks[0], ticks[1]);
-  }
+  if (milliseconds != nullptr) *milliseconds = ms;
   std::vector<TracedHit> hits(rays.size());
   for (std::size_t i = 0; i < hits.size(); ++i) {
     gpu::HitRecord record;

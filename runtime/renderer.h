@@ -5,13 +5,16 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "runtime/pipelines.h"
+#include "runtime/trace_variant.h"
 #include "runtime/zone_set.h"
 #include "shaders/shared/page.h"
 
@@ -36,8 +39,7 @@ struct RendererOptions {
   std::uint32_t screen_steps = 256;
   std::uint32_t page_depth = gpu::kPageMaxDepth;  // deepest page that will be traced
   std::uint32_t max_zones = 1;                    // most zones ever resident in one set
-  std::uint32_t pool_path = gpu::kPoolTexels;     // or kPoolStorage: how shaders read pages
-  std::uint32_t rays_per_lane = 8;                // packets of eight times as many rays; 0: rays one by one
+  TraceVariant trace;                             // where it does not fit: nearest_fit()
   bool check_access = false;                      // count reads outside the traced pages, and divert them: for tests
 };
 
@@ -72,8 +74,13 @@ struct TracedHit {
   std::uint32_t triangle = 0;   // position in that page
 };
 
+// What tracing with these options may take on this device.
+TraceLimits trace_limits(const Device& device, const RendererOptions& options);
+
 class Renderer {
  public:
+  static constexpr std::uint32_t kRaysToChoose = 4096;  // fewer do not tell one kernel from another
+
   static Result<std::unique_ptr<Renderer>> create(Device& device, const ZoneSet& proxies, const ZoneSet& host,
                                                   std::span<const gpu::MaterialEntry> materials,
                                                   const RendererOptions& options);
@@ -93,6 +100,13 @@ class Renderer {
   // What the last trace() or render() counted.
   [[nodiscard]] gpu::Counters counters() const;
 
+  // The kernels in use.
+  [[nodiscard]] const TraceVariant& trace_variant() const { return options_.trace; }
+  // Measures kernels on the rays that the last render() or trace() queued, `ray_count` of them and at least
+  // kRaysToChoose, and goes on with the fastest. What has not begun after budget_ms is not measured. The queue, hits
+  // and counters are of no use afterwards.
+  Status choose_trace_variant(std::uint32_t ray_count, bool host, double budget_ms = INFINITY);
+
  private:
   Renderer(Device& device, const ZoneSet& proxies, const ZoneSet& host, const RendererOptions& options)
       : device_(device), proxies_(proxies), host_(host), options_(options), layout_(device) {}
@@ -106,10 +120,21 @@ class Renderer {
   void bind(VkCommandBuffer c, const Pipeline& pipeline) const;
   void dispatch_pixels(VkCommandBuffer c, const Pipeline& pipeline, std::uint32_t width, std::uint32_t height,
                        const gpu::PassConstants& constants = {}) const;
-  // The pipeline that resolves hits for trace(), made when it is first asked for.
+  // One variant of what traces the ray queue against one set.
+  struct TraceKernels {
+    Pipeline size, packets, rays;  // without packets: rays one by one
+  };
+  [[nodiscard]] PassVariant pass_variant(const TraceVariant& trace, bool host) const;
+  Result<TraceKernels> create_kernels(const TraceVariant& trace, bool host) const;
+  // The kernels in use and the pipeline that resolves hits for trace(), made when they are first asked for.
+  Result<const TraceKernels*> kernels(bool host);
   Status create_resolve(bool host);
   // Closest hits of the ray queue, in packets first.
-  void record_trace(VkCommandBuffer c, bool host) const;
+  void record_trace(VkCommandBuffer c, const TraceKernels& kernels) const;
+  // The same for the first rays of the queue, by itself; returns milliseconds.
+  Result<double> trace_queue(const TraceKernels& kernels, std::uint32_t ray_count);
+  // Brings runs of rays from all over the queue to its front.
+  Status thin_queue(std::uint32_t ray_count, std::uint32_t runs);
   void dispatch_indirect(VkCommandBuffer c, const Pipeline& pipeline, std::size_t offset_bytes) const;
   void stamp(VkCommandBuffer c, std::uint32_t index) const;
   Status read_stamps(std::span<std::uint64_t> ticks) const;  // the first ones; zeros where the queue has none
@@ -119,7 +144,6 @@ class Renderer {
   const ZoneSet& host_;
   RendererOptions options_;
   PassLayout layout_;
-  PassVariant variant_;
   gpu::FrameData frame_ = {};
 
   Buffer frame_buffer_, materials_, hiz_, lit_, reflection_, provenance_, pixel_list_, rays_, hits_, retries_,
@@ -132,8 +156,9 @@ class Renderer {
   VkFramebuffer gbuffer_target_ = VK_NULL_HANDLE;
   VkFramebuffer overlay_target_ = VK_NULL_HANDLE;
   VkQueryPool queries_ = VK_NULL_HANDLE;
-  Pipeline draw_zone_, draw_lines_, light_, reduce_, classify_, size_, march_, trace_proxies_, trace_host_,
-      packet_proxies_, packet_host_, resolve_proxies_, resolve_host_, shade_, composite_, debug_;
+  Pipeline draw_zone_, draw_lines_, light_, reduce_, classify_, march_, resolve_proxies_, resolve_host_, shade_,
+      composite_, debug_;
+  std::optional<TraceKernels> kernels_proxies_, kernels_host_;
 };
 
 }  // namespace zc

@@ -70,19 +70,24 @@ Result<VkFramebuffer> make_framebuffer(const Device& device, VkRenderPass pass, 
   return framebuffer;
 }
 
-// Packets keep their stack across the lanes of a team, in two sets of registers; see traverse_packet.glsl.
-constexpr std::uint32_t kPacketStack = 16;
-
 }  // namespace
+
+TraceLimits trace_limits(const Device& device, const RendererOptions& options) {
+  // A level leaves at most one entry behind, and the last none.
+  return {device.subgroup_size(), device.limits().maxComputeSharedMemorySize,
+          options.page_depth + top_level_depth_bound(options.max_zones)};
+}
 
 Result<std::unique_ptr<Renderer>> Renderer::create(Device& device, const ZoneSet& proxies, const ZoneSet& host,
                                                    std::span<const gpu::MaterialEntry> materials,
                                                    const RendererOptions& options) {
   std::unique_ptr<Renderer> renderer(new Renderer(device, proxies, host, options));
+  renderer->options_.trace = nearest_fit(options.trace, trace_limits(device, options));
   ZC_TRY(renderer->layout_.create());
   ZC_TRY(renderer->create_buffers(materials));
   ZC_TRY(renderer->create_targets());
   ZC_TRY(renderer->create_pipelines());
+  ZC_TRY(renderer->kernels(options.reflections == ReflectionMode::kFull));
   return renderer;
 }
 
@@ -203,15 +208,8 @@ Status Renderer::create_targets() {
 }
 
 Status Renderer::create_pipelines() {
-  PassVariant& variant = variant_;
-  // A level leaves at most one entry behind, and the last none.
-  const std::uint32_t depth = options_.page_depth + top_level_depth_bound(options_.max_zones);
-  variant.stack_size = static_cast<std::int32_t>(depth);
-  variant.pool_path = options_.pool_path;
-  variant.check_access = options_.check_access ? 1 : 0;
-  variant.rays_per_lane = depth <= kPacketStack && device_.subgroup_size() >= 8 ? options_.rays_per_lane : 0;
-  variant.use_screen = options_.reflections == ReflectionMode::kScreenAndProxy ? 1 : 0;
-  variant.trace_host = options_.reflections == ReflectionMode::kFull ? 1 : 0;
+  PassVariant variant = pass_variant(options_.trace, options_.reflections == ReflectionMode::kFull);
+  variant.stack_shared = 0;  // measured for the trace alone
   const auto compute = [&](Pipeline& pipeline, std::span<const std::uint32_t> code, const PassVariant& v) -> Status {
     ZC_ASSIGN(pipeline, Pipeline::create_compute(device_, layout_, code, v));
     return {};
@@ -219,21 +217,10 @@ Status Renderer::create_pipelines() {
   ZC_TRY(compute(light_, shader::light_surfaces(), variant));
   ZC_TRY(compute(reduce_, shader::reduce_depth(), variant));
   ZC_TRY(compute(classify_, shader::classify_pixels(), variant));
-  ZC_TRY(compute(size_, shader::size_dispatch(), variant));
   ZC_TRY(compute(march_, shader::march_screen(), variant));
   ZC_TRY(compute(shade_, shader::shade_hits(), variant));
   ZC_TRY(compute(composite_, shader::composite_frame(), variant));
   ZC_TRY(compute(debug_, shader::show_debug(), variant));
-  PassVariant host = variant;
-  host.trace_host = 1;
-  PassVariant proxy = variant;
-  proxy.trace_host = 0;
-  ZC_TRY(compute(trace_proxies_, shader::trace_rays(), proxy));
-  ZC_TRY(compute(trace_host_, shader::trace_rays(), host));
-  if (variant.rays_per_lane > 0) {
-    ZC_TRY(compute(packet_proxies_, shader::trace_packets(), proxy));
-    ZC_TRY(compute(packet_host_, shader::trace_packets(), host));
-  }
 
   Pipeline::Graphics zone;
   zone.variant = variant;
@@ -253,12 +240,43 @@ Status Renderer::create_pipelines() {
   return {};
 }
 
+PassVariant Renderer::pass_variant(const TraceVariant& trace, bool host) const {
+  PassVariant variant;
+  variant.stack_size = static_cast<std::int32_t>(trace_limits(device_, options_).stack_entries);
+  variant.use_screen = options_.reflections == ReflectionMode::kScreenAndProxy ? 1 : 0;
+  variant.trace_host = host ? 1 : 0;
+  variant.pool_path = trace.pool_path;
+  variant.rays_per_lane = static_cast<std::int32_t>(trace.rays_per_lane);
+  variant.check_access = options_.check_access ? 1 : 0;
+  variant.stack_shared = trace.stack_shared ? 1 : 0;
+  variant.trace_width = trace.width;
+  return variant;
+}
+
+Result<Renderer::TraceKernels> Renderer::create_kernels(const TraceVariant& trace, bool host) const {
+  const PassVariant variant = pass_variant(trace, host);
+  TraceKernels kernels;
+  ZC_ASSIGN(kernels.size, Pipeline::create_compute(device_, layout_, shader::size_dispatch(), variant));
+  ZC_ASSIGN(kernels.rays, Pipeline::create_compute(device_, layout_, shader::trace_rays(), variant));
+  if (trace.rays_per_lane > 0) {
+    ZC_ASSIGN(kernels.packets, Pipeline::create_compute(device_, layout_, shader::trace_packets(), variant));
+  }
+  return kernels;
+}
+
+Result<const Renderer::TraceKernels*> Renderer::kernels(bool host) {
+  std::optional<TraceKernels>& made = host ? kernels_host_ : kernels_proxies_;
+  if (!made) {
+    ZC_ASSIGN(made, create_kernels(options_.trace, host));
+  }
+  return &*made;
+}
+
 Status Renderer::create_resolve(bool host) {
   Pipeline& pipeline = host ? resolve_host_ : resolve_proxies_;
   if (pipeline.handle() != VK_NULL_HANDLE) return {};
-  PassVariant variant = variant_;
-  variant.trace_host = host ? 1 : 0;
-  ZC_ASSIGN(pipeline, Pipeline::create_compute(device_, layout_, shader::resolve_hits(), variant));
+  ZC_ASSIGN(pipeline,
+            Pipeline::create_compute(device_, layout_, shader::resolve_hits(), pass_variant(options_.trace, host)));
   return {};
 }
 

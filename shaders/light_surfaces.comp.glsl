@@ -6,11 +6,10 @@
 #include "surface.glsl"
 #include "shading.glsl"
 #include "trace.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
 #include "host_set.glsl"
 #include "traverse.glsl"
 #include "end_set.glsl"
-
-layout(local_size_x = 8, local_size_y = 8) in;
 
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);

@@ -7,14 +7,13 @@
 #include "shading.glsl"
 #include "trace.glsl"
 layout(constant_id = 2) const uint kTraceHost = 0u;
+layout(local_size_x = 64) in;
 #include "host_set.glsl"
 #include "traverse.glsl"
 #include "end_set.glsl"
 #include "proxy_set.glsl"
 #include "traverse.glsl"
 #include "end_set.glsl"
-
-layout(local_size_x = 64) in;
 #include "list_index.glsl"
 
 void main() {

@@ -8,6 +8,7 @@
 #include "beam.glsl"
 layout(constant_id = 2) const uint kTraceHost = 0u;
 layout(constant_id = 4) const int kRaysPerLane = 4;
+const uint kStackPairs = (uint(kStackSize) + kTeam - 1u) / kTeam;  // of registers a lane
 
 #include "host_set.glsl"
 #include "page_fetch.glsl"
@@ -18,7 +19,7 @@ layout(constant_id = 4) const int kRaysPerLane = 4;
 #include "traverse_packet.glsl"
 #include "end_set.glsl"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = 64, local_size_x_id = 7) in;
 
 void main() {
   begin_team();

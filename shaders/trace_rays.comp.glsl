@@ -5,6 +5,7 @@
 #include "bindings.glsl"
 #include "trace.glsl"
 #include "packet.glsl"
+layout(local_size_x = 64, local_size_x_id = 7) in;
 layout(constant_id = 2) const uint kTraceHost = 0u;
 layout(constant_id = 4) const int kRaysPerLane = 4;  // 0: there were no packets
 
@@ -15,7 +16,6 @@ layout(constant_id = 4) const int kRaysPerLane = 4;  // 0: there were no packets
 #include "traverse.glsl"
 #include "end_set.glsl"
 
-layout(local_size_x = 64) in;
 #include "list_index.glsl"
 
 void main() {

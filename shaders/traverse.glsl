@@ -6,6 +6,7 @@
 // distances convert to metres without loss.
 
 #include "page_fetch.glsl"
+#include "stack.glsl"
 
 // any: stop at the first hit. A ray that reaches the step bound comes back as kHitLost.
 TraceHit PAGE_NAME(trace)(TraceRay ray, bool any) {
@@ -24,7 +25,6 @@ TraceHit PAGE_NAME(trace)(TraceRay ray, bool any) {
   float t_max = ray.t_max * per_m;
   uint best = kHitNone;
 
-  uvec2 stack[kStackSize];
   int sp = 0;
   uvec2 group = root_group(SET_ROOT);
   uint triangles = 0u;  // bit i: triangle i of the node that was visited last is to be tested
@@ -37,11 +37,11 @@ TraceHit PAGE_NAME(trace)(TraceRay ray, bool any) {
       if ((group.y >> 24) == 0u) {
         done = sp == 0;
         sp = max(sp - 1, 0);
-        group = stack[sp];
+        group = stack_entry(sp);
       }
       if (!done) {
         const uint node = take_child(group, octant);
-        if ((group.y >> 24) != 0u) stack[sp++] = group;
+        if ((group.y >> 24) != 0u) set_stack_entry(sp++, group);
         const uvec4 h0 = PAGE_NAME(load4)(node);
         const uvec4 h1 = PAGE_NAME(load4)(node + 4u);
         const uvec4 p0 = PAGE_NAME(load4)(node + 8u);

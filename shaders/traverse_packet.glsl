@@ -79,9 +79,9 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
     const uint group_size = team_sum(size);
 
     uint steps = group_size < kGroupLeast ? kPacketBudget : 0u;
-    // The stack lies across the lanes: entry i is lane i % 8's, in the first or the second pair of registers.
-    uvec2 stack_low = uvec2(0u);
-    uvec2 stack_high = uvec2(0u);
+    // The stack lies across the lanes: entry i is lane i % 8's, in its pair i / 8 of registers.
+    uvec2 stack[kStackPairs];
+    for (uint pair = 0u; pair < kStackPairs; ++pair) stack[pair] = uvec2(0u);
     uint sp = 0u;
     uvec2 group = root_group(SET_ROOT);
     bool finished = false;
@@ -95,15 +95,15 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
           finished = sp == 0u;
           if (finished) break;
           --sp;
-          const uvec2 entries = sp < kTeam ? stack_low : stack_high;
+          uvec2 entries = stack[0];
+          for (uint pair = 1u; pair < kStackPairs; ++pair) entries = sp >= pair * kTeam ? stack[pair] : entries;
           group = uvec2(from_lane(entries.x, sp & 7u), from_lane(entries.y, sp & 7u));
         }
         ++steps;
         const uint node = take_child(group, octant);
         if ((group.y >> 24) != 0u) {
-          const bool mine = team_lane == (sp & 7u);
-          stack_low = mine && sp < kTeam ? group : stack_low;
-          stack_high = mine && sp >= kTeam ? group : stack_high;
+          for (uint pair = 0u; pair < kStackPairs; ++pair)
+            stack[pair] = sp == pair * kTeam + team_lane ? group : stack[pair];
           ++sp;
         }
         // Lane i fetches the i-th four words of the node, then decodes and tests child i.

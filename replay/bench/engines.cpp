@@ -16,14 +16,20 @@ std::string_view missing_ray_query(const EngineContext& context) {
   return context.device->has_ray_query() ? "" : "the driver has no VK_KHR_ray_query";
 }
 
-std::string_view missing_builder(const EngineContext& context) {
-  return context.page_builder != nullptr && *context.page_builder ? "" : "no page builder was given";
+template <TraceVariant kVariant>
+std::string_view missing_zonecast(const EngineContext& context) {
+  if (context.page_builder == nullptr || !*context.page_builder) return "no page builder was given";
+  return misfit(kVariant, {context.device->subgroup_size(), context.device->limits().maxComputeSharedMemorySize, 1});
 }
 
-template <std::uint32_t kRaysPerLane, std::uint32_t kPoolPath>
+template <TraceVariant kVariant>
 std::unique_ptr<TraceEngine> zonecast(const EngineContext& context, std::string_view name) {
-  return make_zonecast_engine(*context.device, {std::string(name), kRaysPerLane, kPoolPath}, *context.page_builder,
-                              context.threads);
+  return make_zonecast_engine(*context.device, std::string(name), kVariant, *context.page_builder, context.threads);
+}
+
+template <TraceVariant kVariant>
+constexpr EngineEntry entry(std::string_view name) {
+  return {name, true, missing_zonecast<kVariant>, zonecast<kVariant>};
 }
 
 std::unique_ptr<TraceEngine> thesis(const EngineContext& context, std::string_view /*name*/) {
@@ -46,11 +52,14 @@ std::unique_ptr<TraceEngine> embree(const EngineContext& context, std::string_vi
 }
 
 constexpr std::array kEngines = {
-    EngineEntry{"zonecast/packets", true, missing_builder, zonecast<8, gpu::kPoolTexels>},
-    EngineEntry{"zonecast/packets_32", true, missing_builder, zonecast<4, gpu::kPoolTexels>},
-    EngineEntry{"zonecast/packets_storage", true, missing_builder, zonecast<8, gpu::kPoolStorage>},
-    EngineEntry{"zonecast/single", true, missing_builder, zonecast<0, gpu::kPoolTexels>},
-    EngineEntry{"zonecast/single_storage", true, missing_builder, zonecast<0, gpu::kPoolStorage>},
+    entry<TraceVariant{}>("zonecast/packets"),
+    entry<TraceVariant{.rays_per_lane = 4}>("zonecast/packets_32"),
+    entry<TraceVariant{.pool_path = gpu::kPoolStorage}>("zonecast/packets_storage"),
+    entry<TraceVariant{.width = 32}>("zonecast/packets_w32"),
+    entry<TraceVariant{.width = 128}>("zonecast/packets_w128"),
+    entry<TraceVariant{.rays_per_lane = 0}>("zonecast/single"),
+    entry<TraceVariant{.rays_per_lane = 0, .pool_path = gpu::kPoolStorage}>("zonecast/single_storage"),
+    entry<TraceVariant{.rays_per_lane = 0, .stack_shared = true}>("zonecast/single_shared"),
     EngineEntry{"thesis", true, nothing, thesis},
     EngineEntry{"bvh2", true, nothing, bvh2},
     EngineEntry{"ray_query", true, missing_ray_query, ray_query},

@@ -19,14 +19,15 @@ constexpr std::uint32_t kPictureWidth = 1024;  // the renderer takes as many ray
 
 class ZonecastEngine final : public TraceEngine {
  public:
-  ZonecastEngine(Device& device, ZonecastVariant variant, PageBuilder builder, unsigned threads)
+  ZonecastEngine(Device& device, std::string name, const TraceVariant& variant, PageBuilder builder, unsigned threads)
       : device_(device),
-        variant_(std::move(variant)),
+        name_(std::move(name)),
+        variant_(variant),
         builder_(std::move(builder)),
         threads_(threads),
         zones_(device),
         no_zones_(device) {}
-  [[nodiscard]] std::string name() const override { return variant_.name; }
+  [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] BuildFigures figures() const override { return figures_; }
 
   Status build(const BenchScene& scene) override {
@@ -67,8 +68,9 @@ class ZonecastEngine final : public TraceEngine {
       options.height = height_ = height;
       options.page_depth = page_depth_;
       options.max_zones = static_cast<std::uint32_t>(entries_.size());
-      options.pool_path = variant_.pool_path;
-      options.rays_per_lane = variant_.rays_per_lane;
+      options.trace = variant_;
+      if (const auto why_not = misfit(variant_, trace_limits(device_, options)); !why_not.empty())
+        return Error{ErrorCode::kDevice, std::string(why_not)};
       ZC_ASSIGN(renderer_, Renderer::create(device_, zones_, no_zones_, {}, options));
     }
     RenderCamera camera;
@@ -115,7 +117,8 @@ class ZonecastEngine final : public TraceEngine {
   }
 
   Device& device_;
-  ZonecastVariant variant_;
+  std::string name_;
+  TraceVariant variant_;
   PageBuilder builder_;
   unsigned threads_;
   const BenchScene* scene_ = nullptr;
@@ -131,9 +134,9 @@ class ZonecastEngine final : public TraceEngine {
 
 }  // namespace
 
-std::unique_ptr<TraceEngine> make_zonecast_engine(Device& device, ZonecastVariant variant, PageBuilder builder,
-                                                  unsigned threads) {
-  return std::make_unique<ZonecastEngine>(device, std::move(variant), std::move(builder), threads);
+std::unique_ptr<TraceEngine> make_zonecast_engine(Device& device, std::string name, const TraceVariant& variant,
+                                                  PageBuilder builder, unsigned threads) {
+  return std::make_unique<ZonecastEngine>(device, std::move(name), variant, std::move(builder), threads);
 }
 
 }  // namespace zc::bench

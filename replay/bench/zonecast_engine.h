@@ -13,7 +13,7 @@
 
 #include "replay/bench/trace_engine.h"
 #include "runtime/device.h"
-#include "shaders/shared/frame.h"
+#include "runtime/trace_variant.h"
 #include "streamer/world_format/bvh_page.h"
 
 namespace zc::bench {
@@ -26,13 +26,8 @@ struct ZonePage {
 // Makes the page of a zone. Given by the composition root, because builders are the baker's.
 using PageBuilder = std::function<Result<ZonePage>(const ZoneMesh& mesh, NodeRecord& node)>;
 
-struct ZonecastVariant {
-  std::string name;
-  std::uint32_t rays_per_lane = 8;             // of packets; 0: rays one by one
-  std::uint32_t pool_path = gpu::kPoolTexels;  // or kPoolStorage
-};
-
-std::unique_ptr<TraceEngine> make_zonecast_engine(Device& device, ZonecastVariant variant, PageBuilder builder,
-                                                  unsigned threads);
+// Fails, when it traces, where the variant does not fit the device or the depth of the pages.
+std::unique_ptr<TraceEngine> make_zonecast_engine(Device& device, std::string name, const TraceVariant& variant,
+                                                  PageBuilder builder, unsigned threads);
 
 }  // namespace zc::bench

@@ -12,8 +12,8 @@ import support
 ARGUMENTS = 2
 FAILURE = 1
 SIZE = "160x90"
-OURS = {"zonecast/packets", "zonecast/packets_32", "zonecast/packets_storage", "zonecast/single",
-        "zonecast/single_storage"}
+OURS = {"zonecast/packets", "zonecast/packets_32", "zonecast/packets_storage", "zonecast/packets_w32",
+        "zonecast/packets_w128", "zonecast/single", "zonecast/single_storage", "zonecast/single_shared"}
 PEERS = {"thesis", "bvh2", "ray_query", "embree", "embree_robust"}
 OWN_BUILDERS = {"zonecast/" + name for name in ("auto", "binned", "sweep", "sbvh", "binned+reinsert", "sweep+reinsert",
                                                 "sbvh+reinsert")}

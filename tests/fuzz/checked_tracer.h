@@ -10,7 +10,6 @@
 #include <random>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "runtime/renderer.h"
@@ -37,9 +36,12 @@ class CheckedTracer {
  public:
   static constexpr std::uint32_t kSide = 16;
   static constexpr std::uint32_t kRays = kSide * kSide;
-  static constexpr std::array<std::pair<std::uint32_t, std::uint32_t>, 4> kKernels = {
-      {{gpu::kPoolTexels, 0}, {gpu::kPoolStorage, 0}, {gpu::kPoolTexels, 4}, {gpu::kPoolStorage, 4}}};
-  // With the top level over two pages, packets still take so deep a page.
+  static constexpr std::array<TraceVariant, 4> kKernels = {{
+      {.rays_per_lane = 0, .pool_path = gpu::kPoolTexels},
+      {.rays_per_lane = 0, .pool_path = gpu::kPoolStorage, .stack_shared = true},
+      {.rays_per_lane = 4, .pool_path = gpu::kPoolTexels},
+      {.rays_per_lane = 4, .pool_path = gpu::kPoolStorage},
+  }};
   static constexpr std::uint32_t kPageDepth = 10;
 
   Status open(std::uint64_t pool_words, std::uint32_t material_count) {
@@ -61,8 +63,7 @@ class CheckedTracer {
       renderer.reflections = ReflectionMode::kProxy;
       renderer.page_depth = kPageDepth;
       renderer.max_zones = 2;
-      renderer.pool_path = kKernels[i].first;
-      renderer.rays_per_lane = kKernels[i].second;
+      renderer.trace = kKernels[i];
       renderer.check_access = true;
       ZC_ASSIGN(renderers_[i], Renderer::create(*device_, *proxies_, *host_, mirrors, renderer));
     }

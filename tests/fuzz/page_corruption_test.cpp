@@ -231,15 +231,14 @@ TEST_F(TracedCorruption, IsRejectedOrTracesWithoutLeavingThePage) {
   }
   counts.print(test::fuzz_seed());
   for (std::size_t kernel = 0; kernel < sums.size(); ++kernel) {
-    const auto [path, rays_per_lane] = test::CheckedTracer::kKernels[kernel];
-    std::printf("  %s, %s: %llu rays, %llu hits, %llu given back by packets\n",
-                path == gpu::kPoolTexels ? "texels" : "storage", rays_per_lane > 0 ? "packets" : "single rays",
+    const TraceVariant& variant = test::CheckedTracer::kKernels[kernel];
+    std::printf("  %s: %llu rays, %llu hits, %llu given back by packets\n", trace_variant_name(variant).c_str(),
                 static_cast<unsigned long long>(sums[kernel].rays), static_cast<unsigned long long>(sums[kernel].hits),
                 static_cast<unsigned long long>(sums[kernel].alone));
     EXPECT_GT(sums[kernel].hits, sums[kernel].rays / 4);
     EXPECT_EQ(sums[kernel].hits, sums[0].hits);
     EXPECT_LT(sums[kernel].alone, sums[kernel].rays);
-    EXPECT_EQ(sums[kernel].alone > 0, rays_per_lane > 0);
+    EXPECT_EQ(sums[kernel].alone > 0, variant.rays_per_lane > 0);
   }
   std::printf("  %llu frames, %llu hits in them; %s\n", static_cast<unsigned long long>(frames),
               static_cast<unsigned long long>(frame_hits), tracer_.device().name().c_str());

@@ -17,6 +17,19 @@ namespace zc {
 namespace {
 
 constexpr std::size_t kRays = 100000;
+// Every value of every option, and the stacks in shared memory with packets, whose lost rays they hold, and without.
+constexpr std::array<TraceVariant, 10> kVariants = {{
+    {0, gpu::kPoolStorage, false, 64},
+    {0, gpu::kPoolTexels, false, 128},
+    {0, gpu::kPoolStorage, true, 32},
+    {0, gpu::kPoolTexels, true, 64},
+    {2, gpu::kPoolStorage, false, 64},
+    {2, gpu::kPoolTexels, true, 128},
+    {4, gpu::kPoolStorage, false, 32},
+    {4, gpu::kPoolTexels, false, 128},
+    {8, gpu::kPoolStorage, true, 64},
+    {8, gpu::kPoolTexels, false, 64},
+}};
 
 struct OracleTriangle {
   std::array<glm::dvec3, 3> corners;  // metres, relative to the camera's lattice point
@@ -151,43 +164,48 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
   for (const NodeRecord& node : index.nodes) deepest = std::max(deepest, node.bvh_depth);
   // Every way that the kernels can be specialised finds the same.
   std::vector<TracedHit> first_hits;
-  for (const std::uint32_t path : {gpu::kPoolStorage, gpu::kPoolTexels}) {
-    for (const std::uint32_t rays_per_lane : {0U, 2U, 4U, 8U}) {
-      SCOPED_TRACE("path " + std::to_string(path) + ", " + std::to_string(rays_per_lane) + " rays a lane");
-      options.pool_path = path;
-      options.rays_per_lane = rays_per_lane;
-      options.page_depth = deepest;  // deeper pages are traced ray by ray
-      const Status remade = world.remake_renderer(options);
-      ASSERT_TRUE(remade.ok()) << remade.error().describe();
-      double milliseconds = 0;
-      const auto hits = world.renderer().trace(camera, rays, false, &milliseconds);
-      ASSERT_TRUE(hits.ok()) << hits.error().describe();
-      Verdict sum;
-      for (std::size_t i = 0; i < rays.size(); ++i) {
-        const TracedHit& hit = (*hits)[i];
-        ASSERT_NE(hit.page_word, gpu::kHitLost) << "ray " << i;
-        if (hit.page_word == gpu::kHitNone || expected[i] == nullptr) {
-          (hit.page_word == gpu::kHitNone && expected[i] == nullptr) ? ++sum.missed_by_both : ++sum.wrong;
-          continue;
-        }
-        ASSERT_TRUE(first_of_page.contains(hit.page_word)) << "ray " << i;
-        const OracleTriangle& met = triangles[first_of_page[hit.page_word] + hit.triangle];
-        const double tolerance = 1e-4 * std::max(1.0, nearest[i]);
-        const bool in_place = std::abs(static_cast<double>(hit.t) - nearest[i]) <= tolerance &&
-                              std::abs(intersect_ray(i, met) - nearest[i]) <= tolerance;
-        in_place ? (&met == expected[i] ? ++sum.same : ++sum.tied) : ++sum.wrong;
+  for (const TraceVariant& variant : kVariants) {
+    SCOPED_TRACE(trace_variant_name(variant));
+    options.trace = variant;
+    // Half of them with stacks for deeper pages than there are.
+    options.page_depth = variant.width == 64 ? deepest : gpu::kPageMaxDepth;
+    const Status remade = world.remake_renderer(options);
+    ASSERT_TRUE(remade.ok()) << remade.error().describe();
+    ASSERT_EQ(world.renderer().trace_variant(), variant);
+    double milliseconds = 0;
+    const auto hits = world.renderer().trace(camera, rays, false, &milliseconds);
+    ASSERT_TRUE(hits.ok()) << hits.error().describe();
+    Verdict sum;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const TracedHit& hit = (*hits)[i];
+      ASSERT_NE(hit.page_word, gpu::kHitLost) << "ray " << i;
+      if (hit.page_word == gpu::kHitNone || expected[i] == nullptr) {
+        (hit.page_word == gpu::kHitNone && expected[i] == nullptr) ? ++sum.missed_by_both : ++sum.wrong;
+        continue;
       }
-      EXPECT_EQ(sum.wrong, 0U) << sum.same << " same, " << sum.tied << " tied, " << sum.missed_by_both
-                               << " missed by both";
-      EXPECT_GT(sum.same, kRays / 4);
-      EXPECT_LT(sum.tied, kRays / 100);
-      if (first_hits.empty()) first_hits = *hits;
-      EXPECT_EQ(std::memcmp(first_hits.data(), hits->data(), hits->size() * sizeof(TracedHit)), 0);
-      std::printf("path %u, %u a lane, %zu triangles: %zu same, %zu tied, %zu missed by both, %.1f ms on %s\n", path,
-                  rays_per_lane, triangles.size(), sum.same, sum.tied, sum.missed_by_both, milliseconds,
-                  world.device().name().c_str());
+      ASSERT_TRUE(first_of_page.contains(hit.page_word)) << "ray " << i;
+      const OracleTriangle& met = triangles[first_of_page[hit.page_word] + hit.triangle];
+      const double tolerance = 1e-4 * std::max(1.0, nearest[i]);
+      const bool in_place = std::abs(static_cast<double>(hit.t) - nearest[i]) <= tolerance &&
+                            std::abs(intersect_ray(i, met) - nearest[i]) <= tolerance;
+      in_place ? (&met == expected[i] ? ++sum.same : ++sum.tied) : ++sum.wrong;
     }
+    EXPECT_EQ(sum.wrong, 0U) << sum.same << " same, " << sum.tied << " tied, " << sum.missed_by_both
+                             << " missed by both";
+    EXPECT_GT(sum.same, kRays / 4);
+    EXPECT_LT(sum.tied, kRays / 100);
+    if (first_hits.empty()) first_hits = *hits;
+    EXPECT_EQ(std::memcmp(first_hits.data(), hits->data(), hits->size() * sizeof(TracedHit)), 0);
+    std::printf("%s, %zu triangles: %zu same, %zu tied, %zu missed by both, %.1f ms on %s\n",
+                trace_variant_name(variant).c_str(), triangles.size(), sum.same, sum.tied, sum.missed_by_both,
+                milliseconds, world.device().name().c_str());
   }
+  // And so does the one that is measured to be the fastest.
+  const Status chosen = world.renderer().choose_trace_variant(kRays, false);
+  ASSERT_TRUE(chosen.ok()) << chosen.error().describe();
+  const auto hits = world.renderer().trace(camera, rays, false);
+  ASSERT_TRUE(hits.ok()) << hits.error().describe();
+  EXPECT_EQ(std::memcmp(first_hits.data(), hits->data(), hits->size() * sizeof(TracedHit)), 0);
   EXPECT_EQ(world.device().validation_messages(), 0U);
 }
 
