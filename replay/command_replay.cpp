@@ -14,6 +14,7 @@
 #include "replay/replay_session.h"
 #include "replay/statistics_json.h"
 #include "replay/units.h"
+#include "replay/variant_cache.h"
 
 namespace zc {
 namespace {
@@ -26,6 +27,7 @@ struct Arguments {
   std::string latency = "0s", bandwidth;
   std::string host_budget = "256MiB";
   std::string device;
+  std::string kernel = "auto";
   ClockKind clock = ClockKind::kVirtual;
   ReflectionMode reflections = ReflectionMode::kScreenAndProxy;
   std::vector<DebugView> debug_views;
@@ -53,6 +55,22 @@ Status parse_sun(const std::string& text, RendererOptions& options) {
   return {};
 }
 
+Status parse_kernel(const std::string& text, ReplayOptions& options) {
+  options.kernel = text == "auto"      ? KernelChoice::kAuto
+                   : text == "measure" ? KernelChoice::kMeasure
+                                       : KernelChoice::kFixed;
+  if (options.kernel != KernelChoice::kFixed) {
+    options.variant_cache = variant_cache_file();
+    return {};
+  }
+  const auto variant = parse_trace_variant(text);
+  if (!variant)
+    return Error{ErrorCode::kArgument,
+                 "no kernel is called '" + text + "' (auto, measure, or " + std::string(kTraceVariantNames) + ")"};
+  options.renderer.trace = *variant;
+  return {};
+}
+
 Result<ReplayOptions> to_options(const Arguments& a) {
   ReplayOptions options;
   options.world = a.world;
@@ -72,6 +90,7 @@ Result<ReplayOptions> to_options(const Arguments& a) {
   }
   ZC_ASSIGN(const PictureSize size, parse_size(a.size));
   ZC_TRY(parse_sun(a.sun, options.renderer));
+  ZC_TRY(parse_kernel(a.kernel, options));
   options.renderer.width = size.width;
   options.renderer.height = size.height;
   options.renderer.reflections = a.reflections;
@@ -171,6 +190,13 @@ void add_replay(CLI::App& app, const SetCommand& set) {
       ->add_option("--host-budget", a->host_budget, "Memory of the stand-in host's full-detail zones, outside the cap")
       ->capture_default_str();
   command->add_option("--device", a->device, "Part of the Vulkan device's name");
+  command
+      ->add_option(
+          "--kernel", a->kernel,
+          "How rays are traced; pictures are the same by all. auto: by the kernels that were the fastest on this "
+          "device when it was measured, or measure now; measure: measure again; or by name: " +
+              std::string(kTraceVariantNames))
+      ->capture_default_str();
   command->add_flag("--validate", a->validate,
                     "Vulkan validation layers with synchronisation validation; exit 1 when they say anything");
   command->add_flag("--leave-nothing-out", a->leave_nothing_out, "Run the general pipeline, to measure what is saved");

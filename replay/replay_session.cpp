@@ -14,6 +14,7 @@
 #include "replay/frame_log.h"
 #include "replay/png_file.h"
 #include "replay/process_memory.h"
+#include "replay/variant_cache.h"
 #include "replay/world_report.h"
 #include "replay/zone_table.h"
 
@@ -24,6 +25,8 @@ constexpr std::size_t kLookAheadViews = 8;
 constexpr std::size_t kSheetTiles = 12;
 // The host draws full detail wherever a third of a pixel at 720 lines would show the difference.
 constexpr double kHostTolerance = 0.0004;
+// A replay that was not asked to measure begins no further step after this.
+constexpr double kMeasureMs = 250;
 
 const char* debug_name(DebugView view) {
   switch (view) {
@@ -182,9 +185,53 @@ class Session {
     renderer.page_depth = deepest_page(index);
     renderer.max_zones = max_zones;
     if (!mirrors_ && !options_.leave_nothing_out) renderer.reflections = ReflectionMode::kNone;
+    pick_kernels(renderer);
     ZC_ASSIGN(drawing_.renderer,
               Renderer::create(*drawing_.device, *drawing_.proxies, *drawing_.host, materials, renderer));
     return {};
+  }
+
+  // Those to begin with; the choice is final unless there is something to measure.
+  void pick_kernels(RendererOptions& renderer) {
+    const TraceLimits limits = trace_limits(*drawing_.device, renderer);
+    report_.trace_variant_origin = "fixed";
+    if (options_.kernel != KernelChoice::kFixed) {
+      std::optional<TraceVariant> cached;
+      if (options_.kernel == KernelChoice::kAuto) cached = read_cached_variant(options_.variant_cache, variant_key());
+      if (cached && !misfit(*cached, limits).empty()) cached.reset();  // another world's
+      renderer.trace = cached.value_or(TraceVariant{});
+      report_.trace_variant_origin = cached ? "cached" : "default";
+      measure_kernels_ = !cached && renderer.reflections != ReflectionMode::kNone;
+    }
+    const std::string_view why_not = misfit(renderer.trace, limits);
+    if (why_not.empty()) return;
+    renderer.trace = nearest_fit(renderer.trace, limits);
+    warn({ErrorCode::kDevice, "traced by " + trace_variant_name(renderer.trace) + ": " + std::string(why_not)});
+  }
+
+  // After a frame: on its own rays and zones, which are what this device will have to trace.
+  void measure_kernels(const FrameResult& frame) {
+    if (!measure_kernels_ || frame.counters.ray_count < Renderer::kRaysToChoose) return;
+    measure_kernels_ = false;
+    const auto started = std::chrono::steady_clock::now();
+    const bool host = options_.renderer.reflections == ReflectionMode::kFull;
+    const double budget_ms = options_.kernel == KernelChoice::kAuto ? kMeasureMs : INFINITY;
+    if (Status chosen = drawing_.renderer->choose_trace_variant(frame.counters.ray_count, host, budget_ms);
+        !chosen.ok())
+      return warn(chosen.error());  // a driver that refuses one kernel may still take the others
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - started;
+    report_.measure_ms = took.count();
+    report_.trace_variant_origin = "measured";
+    if (options_.variant_cache.empty()) return;
+    if (Status kept = write_cached_variant(options_.variant_cache, variant_key(), drawing_.renderer->trace_variant());
+        !kept.ok())
+      warn(kept.error());
+  }
+
+  [[nodiscard]] VariantKey variant_key() const { return {report_.device, report_.driver}; }
+
+  void warn(const Error& error) const {
+    if (options_.on_failure) options_.on_failure(error);
   }
 
   // Before anything is written: a path must not turn out to be useless after an hour.
@@ -272,17 +319,23 @@ class Session {
     ++report_.rendered_frames;
     for (std::size_t i = 0; i < kPassCount; ++i) pass_samples_[i].push_back(result.pass_ms[i]);
     total_samples_.push_back(result.total_ms);
-    if (options_.out.empty()) return result;
+    if (!options_.out.empty()) ZC_TRY(save_pictures(sample, camera, frame, on_sheet(ordinal, count)));
+    measure_kernels(result);
+    return result;
+  }
+
+  Status save_pictures(const CameraSample& sample, const RenderCamera& camera, std::uint64_t frame, bool sheet) {
+    const double aspect = static_cast<double>(options_.renderer.width) / options_.renderer.height;
 
     char number[24];
     std::snprintf(number, sizeof(number), "%06llu.png", static_cast<unsigned long long>(frame));
     const std::string file = sample.name.empty() ? std::string(number) : sample.name + ".png";
-    ZC_TRY(save(options_.out / "frames" / file, options_.contact_sheet && on_sheet(ordinal, count)));
+    ZC_TRY(save(options_.out / "frames" / file, options_.contact_sheet && sheet));
     for (const DebugView debug : options_.debug_views) {
       ZC_TRY(drawing_.renderer->draw_debug(debug, drawing_.proxy_table->draws(camera, aspect, true)));
       ZC_TRY(save(options_.out / debug_name(debug) / file, false));
     }
-    return result;
+    return {};
   }
 
   // Frames spread evenly over the replay, first and last included.
@@ -316,6 +369,7 @@ class Session {
     if (options_.render) {
       report_.host_bytes = drawing_.host_streamer->statistics().ledger.peak_bytes;
       report_.validation_messages = drawing_.device->validation_messages();
+      report_.trace_variant = trace_variant_name(drawing_.renderer->trace_variant());
       if (!options_.leave_nothing_out) {
         report_.left_out.emplace_back("gbuffer: zones outside the view");
         report_.left_out.emplace_back("filter: every mirror is exactly specular");
@@ -342,6 +396,7 @@ class Session {
   std::optional<FrameLog> log_;
   std::vector<Picture> tiles_;
   bool mirrors_ = false;
+  bool measure_kernels_ = false;  // as soon as a frame queues rays enough
   std::uint64_t peak_rss_ = 0;
   std::array<std::vector<double>, kPassCount> pass_samples_;
   std::vector<double> total_samples_;

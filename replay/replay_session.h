@@ -17,6 +17,13 @@
 
 namespace zc {
 
+// Where the kernels that trace come from.
+enum class KernelChoice {
+  kFixed,    // renderer.trace
+  kAuto,     // what variant_cache holds; where that is nothing, as kMeasure
+  kMeasure,  // measured on the first frame that queues rays enough, and cached
+};
+
 struct ReplayOptions {
   std::filesystem::path world;
   CameraPath path;
@@ -31,9 +38,11 @@ struct ReplayOptions {
   std::string device;
   bool validation = false;
   RendererOptions renderer;
+  KernelChoice kernel = KernelChoice::kFixed;
+  std::filesystem::path variant_cache;  // a file; empty: nothing is read or kept
   std::vector<DebugView> debug_views;
   std::function<void(double fraction, std::string_view stage)> progress;
-  std::function<void(const Error&)> on_failure;  // a page that failed; the replay goes on
+  std::function<void(const Error&)> on_failure;  // a page, a kernel, a cache that failed; the replay goes on
 };
 
 struct RayCounts {
@@ -53,6 +62,9 @@ struct ReplayReport {
   double total_ms = 0;                          // median
   std::vector<std::string> left_out;
   std::string device, driver;
+  std::string trace_variant;         // the kernels that the last frame was traced by; empty without pictures
+  std::string trace_variant_origin;  // fixed, cached, measured; default: no frame queued rays enough to measure
+  double measure_ms = 0;             // that the self-measurement took, if there was one
   std::uint64_t validation_messages = 0;
 };
 

@@ -43,6 +43,12 @@ nlohmann::ordered_json statistics_json(const ReplayReport& report) {
   summary["event_log_xxh3"] = s.event_log_xxh3;
   summary["device"] = report.device;
   summary["driver"] = report.driver;
+  for (const char* key : {"trace_variant", "trace_variant_origin", "trace_variant_measure_ms"}) summary[key] = nullptr;
+  if (!report.trace_variant.empty()) {
+    summary["trace_variant"] = report.trace_variant;
+    summary["trace_variant_origin"] = report.trace_variant_origin;
+    if (report.measure_ms > 0) summary["trace_variant_measure_ms"] = report.measure_ms;
+  }
   summary["version"] = ZONECAST_VERSION;
   nlohmann::ordered_json ledger;
   for (std::size_t i = 0; i < kLedgerClassCount; ++i) {

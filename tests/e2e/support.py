@@ -21,7 +21,10 @@ BINARY = os.environ.get("ZONECAST", "")
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
 DATA = pathlib.Path(os.environ.get("ZONECAST_DATA", SOURCES.parent / "shared" / "data"))
 PATH_HEADER = "time_s,eye_x,eye_y,eye_z,target_x,target_y,target_z,fov_y_deg"
+# Where Mesa keeps what it compiled, which takes it seconds a run: it would move with XDG_CACHE_HOME.
+SHADER_CACHE = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"
 SKIPPED = 77  # the exit code by which ctest knows a test that did not run
+KERNEL = "packets64+texels"  # of replays that do not say: none is measured that is not under test
 
 
 class Case(unittest.TestCase):
@@ -31,16 +34,22 @@ class Case(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="zonecast-e2e-"))
         cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
+        cls.cache = cls.folder / "cache"  # instead of the user's
         cls.prepare()
 
     @classmethod
     def prepare(cls):
         pass
 
-    @staticmethod
-    def run_zonecast(*arguments, timeout_s=240):
+    @classmethod
+    def run_zonecast(cls, *arguments, timeout_s=240, environment=()):
         words = [BINARY, *map(str, arguments)]
-        return subprocess.run(words, capture_output=True, text=True, errors="replace", timeout=timeout_s, check=False)
+        if "replay" in arguments[:1] and "--kernel" not in arguments:
+            words += ["--kernel", KERNEL]
+        variables = {"MESA_SHADER_CACHE_DIR": str(SHADER_CACHE), **os.environ, "XDG_CACHE_HOME": str(cls.cache),
+                     **dict(environment)}
+        return subprocess.run(words, capture_output=True, text=True, errors="replace", timeout=timeout_s, check=False,
+                              env=variables)
 
     @classmethod
     def zonecast(cls, *arguments, timeout_s=240):
