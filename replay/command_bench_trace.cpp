@@ -107,6 +107,7 @@ void add_bench_trace(CLI::App& app, const SetCommand& set) {
   command->add_option("--repeat", a->options.repeat, "Timed runs of each engine, in turn")
       ->capture_default_str()
       ->check(CLI::Range(1U, 1000U));
+  command->add_flag("--any-hit", a->options.any_hit, "Ask only whether a ray hits something, not what it hits first");
   command->add_option("--threads", a->options.threads, "Threads of the engines that run on the CPU")
       ->capture_default_str()
       ->check(CLI::Range(1U, 256U));

@@ -51,7 +51,8 @@ constexpr std::array kVariantEntries = {VkSpecializationMapEntry{0, offsetof(Pas
                                         VkSpecializationMapEntry{4, offsetof(PassVariant, rays_per_lane), 4},
                                         VkSpecializationMapEntry{5, offsetof(PassVariant, check_access), 4},
                                         VkSpecializationMapEntry{6, offsetof(PassVariant, stack_shared), 4},
-                                        VkSpecializationMapEntry{7, offsetof(PassVariant, trace_width), 4}};
+                                        VkSpecializationMapEntry{7, offsetof(PassVariant, trace_width), 4},
+                                        VkSpecializationMapEntry{8, offsetof(PassVariant, any_hit), 4}};
 
 VkSpecializationInfo specialization(const PassVariant& variant) {
   return {static_cast<std::uint32_t>(kVariantEntries.size()), kVariantEntries.data(), sizeof(variant), &variant};

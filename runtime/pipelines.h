@@ -17,11 +17,12 @@ struct PassVariant {
   std::int32_t stack_size = 64;
   std::uint32_t use_screen = 1;
   std::uint32_t trace_host = 0;
-  std::uint32_t pool_path = 0;  // this and what follows but check_access: see TraceVariant
+  std::uint32_t pool_path = 0;  // this and what follows but check_access and any_hit: see TraceVariant
   std::int32_t rays_per_lane = 4;
   std::uint32_t check_access = 0;  // 1: count reads outside the traced pages (page_fetch.glsl)
   std::uint32_t stack_shared = 0;
   std::uint32_t trace_width = 64;
+  std::uint32_t any_hit = 0;  // 1: rays of the queue end at any hit (ray_queue.glsl)
 };
 
 class PassLayout {

@@ -147,7 +147,7 @@ Result<FrameResult> Renderer::render(const RenderCamera& camera, std::span<const
   const auto h = options_.height;
   const bool trace = options_.reflections != ReflectionMode::kNone;
   const bool hiz = options_.reflections == ReflectionMode::kScreenAndProxy;
-  ZC_ASSIGN(const TraceKernels* kernels, this->kernels(options_.reflections == ReflectionMode::kFull));
+  ZC_ASSIGN(const TraceKernels* kernels, this->kernels({.host = options_.reflections == ReflectionMode::kFull}));
 
   ZC_TRY(device_.run([&](VkCommandBuffer c) {
     vkCmdResetQueryPool(c, queries_, 0, kPassCount + 1);
@@ -299,7 +299,7 @@ Status Renderer::choose_trace_variant(std::uint32_t ray_count, bool host, double
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   };
   // Of slow devices only as many rays as the kernels in use trace in kRoundMs.
-  ZC_ASSIGN(const TraceKernels* used, kernels(host));
+  ZC_ASSIGN(const TraceKernels* used, kernels({.host = host}));
   ZC_ASSIGN(const double whole_ms, trace_queue(*used, ray_count));
   const double in_round = ray_count * kRoundMs / std::max(whole_ms, 1e-6);
   const auto rays =
@@ -313,7 +313,7 @@ Status Renderer::choose_trace_variant(std::uint32_t ray_count, bool host, double
     const auto known = std::ranges::find(made, variant, &std::pair<TraceVariant, TraceKernels>::first);
     const auto place = static_cast<std::size_t>(known - made.begin());
     if (known != made.end()) return place;
-    ZC_ASSIGN(TraceKernels fresh, create_kernels(variant, host));
+    ZC_ASSIGN(TraceKernels fresh, create_kernels(variant, {.host = host}));
     ZC_TRY(trace_queue(fresh, kRun));  // some drivers compile only now
     made.emplace_back(variant, std::move(fresh));
     return place;
@@ -341,6 +341,8 @@ Status Renderer::choose_trace_variant(std::uint32_t ray_count, bool host, double
     options_.trace = chosen;
     kernels_proxies_.reset();
     kernels_host_.reset();
+    any_hit_proxies_.reset();
+    any_hit_host_.reset();
     resolve_proxies_ = {};
     resolve_host_ = {};
     ZC_TRY(create_pipelines());
@@ -351,10 +353,10 @@ Status Renderer::choose_trace_variant(std::uint32_t ray_count, bool host, double
 }
 
 Result<std::vector<TracedHit>> Renderer::trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays,
-                                               bool host, double* milliseconds) {
+                                               const TraceOptions& options, double* milliseconds) {
   ZC_CHECK(!rays.empty() && rays.size_bytes() <= rays_.bytes());
-  ZC_TRY(create_resolve(host));
-  ZC_ASSIGN(const TraceKernels* kernels, this->kernels(host));
+  ZC_TRY(create_resolve(options.host));
+  ZC_ASSIGN(const TraceKernels* kernels, this->kernels(options));
   write_frame(camera);
   std::memcpy(readback_.mapped().data(), rays.data(), rays.size_bytes());
   ZC_TRY(device_.run([&](VkCommandBuffer c) {
@@ -364,7 +366,7 @@ Result<std::vector<TracedHit>> Renderer::trace(const RenderCamera& camera, std::
   }));
   ZC_ASSIGN(const double ms, trace_queue(*kernels, static_cast<std::uint32_t>(rays.size())));
   ZC_TRY(device_.run([&](VkCommandBuffer c) {
-    dispatch_indirect(c, host ? resolve_host_ : resolve_proxies_, offsetof(gpu::Counters, trace_groups_x));
+    dispatch_indirect(c, options.host ? resolve_host_ : resolve_proxies_, offsetof(gpu::Counters, trace_groups_x));
     const VkBufferCopy back{0, 0, rays.size() * sizeof(gpu::HitRecord)};
     vkCmdCopyBuffer(c, hits_.handle(), readback_.handle(), 1, &back);
     const VkBufferCopy counted{0, 0, sizeof(gpu::Counters)};

@@ -29,6 +29,12 @@ enum class ReflectionMode {
 
 enum class DebugView { kProvenance, kBvh, kNormals, kDepth };
 
+// The kernels that trace the proxies and say what they hit, where those are not pages of ours: `zonecast bench trace`
+// measures other layouts with everything else as it is. Empty: ours.
+struct LayoutKernels {
+  std::span<const std::uint32_t> packets, rays, resolve;
+};
+
 struct RendererOptions {
   std::uint32_t width = 1280;
   std::uint32_t height = 720;
@@ -41,6 +47,7 @@ struct RendererOptions {
   std::uint32_t max_zones = 1;                    // most zones ever resident in one set
   TraceVariant trace;                             // where it does not fit: nearest_fit()
   bool check_access = false;                      // count reads outside the traced pages, and divert them: for tests
+  LayoutKernels proxy_kernels = {};
 };
 
 struct RenderCamera {
@@ -68,6 +75,11 @@ struct FrameResult {
   double total_ms = 0;
 };
 
+struct TraceOptions {
+  bool host = false;     // against the host set instead of the proxies
+  bool any_hit = false;  // only whether something is hit: of a hit it is open which, and how far
+};
+
 struct TracedHit {
   float t = 0;                  // metres
   std::uint32_t page_word = 0;  // the page's first word in the pool, or gpu::kHitNone / kHitLost
@@ -93,10 +105,10 @@ class Renderer {
   // The picture: width × height RGBA8 (sRGB), top row first; valid until the next call.
   [[nodiscard]] std::span<const std::byte> pixels() const;
 
-  // Closest hits of rays (positions relative to camera_lattice) up to the camera's ray_length_m, against the proxy set
-  // or the host set: for tests and benchmarks. At most width × height rays at a time.
-  Result<std::vector<TracedHit>> trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays, bool host,
-                                       double* milliseconds = nullptr);
+  // Hits of rays (positions relative to camera_lattice) up to the camera's ray_length_m: for tests and benchmarks. At
+  // most width × height rays at a time.
+  Result<std::vector<TracedHit>> trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays,
+                                       const TraceOptions& options = {}, double* milliseconds = nullptr);
   // What the last trace() or render() counted.
   [[nodiscard]] gpu::Counters counters() const;
 
@@ -124,12 +136,13 @@ class Renderer {
   struct TraceKernels {
     Pipeline size, packets, rays;  // without packets: rays one by one
   };
+  [[nodiscard]] LayoutKernels layout_kernels(bool host) const;
   [[nodiscard]] PassVariant pass_variant(const TraceVariant& trace, bool host) const;
-  Result<TraceKernels> create_kernels(const TraceVariant& trace, bool host) const;
+  Result<TraceKernels> create_kernels(const TraceVariant& trace, const TraceOptions& options) const;
   // The kernels in use and the pipeline that resolves hits for trace(), made when they are first asked for.
-  Result<const TraceKernels*> kernels(bool host);
+  Result<const TraceKernels*> kernels(const TraceOptions& options);
   Status create_resolve(bool host);
-  // Closest hits of the ray queue, in packets first.
+  // The ray queue, in packets first.
   void record_trace(VkCommandBuffer c, const TraceKernels& kernels) const;
   // The same for the first rays of the queue, by itself; returns milliseconds.
   Result<double> trace_queue(const TraceKernels& kernels, std::uint32_t ray_count);
@@ -158,7 +171,7 @@ class Renderer {
   VkQueryPool queries_ = VK_NULL_HANDLE;
   Pipeline draw_zone_, draw_lines_, light_, reduce_, classify_, march_, resolve_proxies_, resolve_host_, shade_,
       composite_, debug_;
-  std::optional<TraceKernels> kernels_proxies_, kernels_host_;
+  std::optional<TraceKernels> kernels_proxies_, kernels_host_, any_hit_proxies_, any_hit_host_;
 };
 
 }  // namespace zc

@@ -87,7 +87,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(Device& device, const ZoneSet
   ZC_TRY(renderer->create_buffers(materials));
   ZC_TRY(renderer->create_targets());
   ZC_TRY(renderer->create_pipelines());
-  ZC_TRY(renderer->kernels(options.reflections == ReflectionMode::kFull));
+  ZC_TRY(renderer->kernels({.host = options.reflections == ReflectionMode::kFull}));
   return renderer;
 }
 
@@ -253,21 +253,30 @@ PassVariant Renderer::pass_variant(const TraceVariant& trace, bool host) const {
   return variant;
 }
 
-Result<Renderer::TraceKernels> Renderer::create_kernels(const TraceVariant& trace, bool host) const {
-  const PassVariant variant = pass_variant(trace, host);
+LayoutKernels Renderer::layout_kernels(bool host) const {
+  if (!host && !options_.proxy_kernels.rays.empty()) return options_.proxy_kernels;
+  return {shader::trace_packets(), shader::trace_rays(), shader::resolve_hits()};
+}
+
+Result<Renderer::TraceKernels> Renderer::create_kernels(const TraceVariant& trace, const TraceOptions& options) const {
+  PassVariant variant = pass_variant(trace, options.host);
+  variant.any_hit = options.any_hit ? 1 : 0;
+  const LayoutKernels code = layout_kernels(options.host);
   TraceKernels kernels;
   ZC_ASSIGN(kernels.size, Pipeline::create_compute(device_, layout_, shader::size_dispatch(), variant));
-  ZC_ASSIGN(kernels.rays, Pipeline::create_compute(device_, layout_, shader::trace_rays(), variant));
+  ZC_ASSIGN(kernels.rays, Pipeline::create_compute(device_, layout_, code.rays, variant));
   if (trace.rays_per_lane > 0) {
-    ZC_ASSIGN(kernels.packets, Pipeline::create_compute(device_, layout_, shader::trace_packets(), variant));
+    ZC_ASSIGN(kernels.packets, Pipeline::create_compute(device_, layout_, code.packets, variant));
   }
   return kernels;
 }
 
-Result<const Renderer::TraceKernels*> Renderer::kernels(bool host) {
-  std::optional<TraceKernels>& made = host ? kernels_host_ : kernels_proxies_;
+Result<const Renderer::TraceKernels*> Renderer::kernels(const TraceOptions& options) {
+  std::optional<TraceKernels>& closest = options.host ? kernels_host_ : kernels_proxies_;
+  std::optional<TraceKernels>& any_hit = options.host ? any_hit_host_ : any_hit_proxies_;
+  std::optional<TraceKernels>& made = options.any_hit ? any_hit : closest;
   if (!made) {
-    ZC_ASSIGN(made, create_kernels(options_.trace, host));
+    ZC_ASSIGN(made, create_kernels(options_.trace, options));
   }
   return &*made;
 }
@@ -276,7 +285,7 @@ Status Renderer::create_resolve(bool host) {
   Pipeline& pipeline = host ? resolve_host_ : resolve_proxies_;
   if (pipeline.handle() != VK_NULL_HANDLE) return {};
   ZC_ASSIGN(pipeline,
-            Pipeline::create_compute(device_, layout_, shader::resolve_hits(), pass_variant(options_.trace, host)));
+            Pipeline::create_compute(device_, layout_, layout_kernels(host).resolve, pass_variant(options_.trace, host)));
   return {};
 }
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime/shader_code.h"
 
+#include "spirv/bench/resolve_plain.comp.h"
 #include "spirv/bench/trace_bvh2.comp.h"
+#include "spirv/bench/trace_plain_children.comp.h"
+#include "spirv/bench/trace_plain_packets.comp.h"
+#include "spirv/bench/trace_plain_rays.comp.h"
 #include "spirv/bench/trace_ray_query.comp.h"
 #include "spirv/bench/trace_thesis.comp.h"
 #include "spirv/classify_pixels.comp.h"
@@ -40,5 +44,9 @@ std::span<const std::uint32_t> show_debug() { return ::show_debug_comp; }
 std::span<const std::uint32_t> bench_trace_bvh2() { return ::bench_trace_bvh2_comp; }
 std::span<const std::uint32_t> bench_trace_ray_query() { return ::bench_trace_ray_query_comp; }
 std::span<const std::uint32_t> bench_trace_thesis() { return ::bench_trace_thesis_comp; }
+std::span<const std::uint32_t> bench_trace_plain_rays() { return ::bench_trace_plain_rays_comp; }
+std::span<const std::uint32_t> bench_trace_plain_children() { return ::bench_trace_plain_children_comp; }
+std::span<const std::uint32_t> bench_trace_plain_packets() { return ::bench_trace_plain_packets_comp; }
+std::span<const std::uint32_t> bench_resolve_plain() { return ::bench_resolve_plain_comp; }
 
 }  // namespace zc::shader

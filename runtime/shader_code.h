@@ -27,5 +27,9 @@ std::span<const std::uint32_t> show_debug();
 std::span<const std::uint32_t> bench_trace_bvh2();
 std::span<const std::uint32_t> bench_trace_ray_query();  // needs Device::has_ray_query
 std::span<const std::uint32_t> bench_trace_thesis();
+std::span<const std::uint32_t> bench_trace_plain_rays();
+std::span<const std::uint32_t> bench_trace_plain_children();
+std::span<const std::uint32_t> bench_trace_plain_packets();
+std::span<const std::uint32_t> bench_resolve_plain();
 
 }  // namespace zc::shader

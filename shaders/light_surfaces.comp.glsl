@@ -8,6 +8,7 @@
 #include "trace.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "host_set.glsl"
+#include "page_layout.glsl"
 #include "traverse.glsl"
 #include "end_set.glsl"
 

@@ -9,9 +9,11 @@
 layout(constant_id = 2) const uint kTraceHost = 0u;
 layout(local_size_x = 64) in;
 #include "host_set.glsl"
+#include "page_layout.glsl"
 #include "traverse.glsl"
 #include "end_set.glsl"
 #include "proxy_set.glsl"
+#include "page_layout.glsl"
 #include "traverse.glsl"
 #include "end_set.glsl"
 #include "list_index.glsl"

@@ -41,13 +41,23 @@ uint direction_octant(vec3 d) { return (d.x < 0.0 ? 1u : 0u) | (d.y < 0.0 ? 2u :
 // one bit a slot in front-to-back order, and in the low byte which slots are nodes.
 uvec2 root_group(uint root) { return uvec2(root, 1u << 24); }
 
+// What a node says of its children, beside their boxes.
+struct NodeRefs {
+  uint inner;   // bit per slot: the child is a node
+  uint leaves;  // or triangles
+  uint counts;  // of triangles, four bits a slot
+  uint child_word;     // of the first child node; the others follow in the order of their slots
+  uint triangle_word;  // of the first triangle; the others follow in the order of their slots
+  uint cluster_word;   // of what all those triangles are in
+};
+
 // Takes the nearest child out of a group and returns its node's word.
-uint take_child(inout uvec2 group, uint octant) {
+uint take_child(inout uvec2 group, uint octant, uint node_words) {
   const uint first = uint(findLSB(group.y >> 24));
   const uint slot = first ^ octant;
   const uint below = group.y & ((1u << slot) - 1u) & 0xFFu;
   group.y &= ~(1u << (24u + first));
-  return group.x + kPageNodeWords * uint(bitCount(below));
+  return group.x + node_words * uint(bitCount(below));
 }
 
 // Bits by slot to bits by `slot ^ octant`.

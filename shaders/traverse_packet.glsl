@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closest hits of a packet of rays by a team of eight invocations, against one set of zones. Every invocation owns
-// kRaysPerLane rays, but nodes and triangles are culled the other way round: invocation = child box, then invocation =
-// triangle, each against a frustum that holds the whole packet. Only the triangles that are left are tested invocation =
-// ray. A node thus costs about the same for eight rays and for sixty-four, and is fetched and decoded once.
+// Closest or any hits of a packet of rays by a team of eight invocations, against one set of zones in some layout
+// (page_layout.glsl, page_layout_team.glsl). Every invocation owns kRaysPerLane rays, but nodes and triangles are
+// culled the other way round: invocation = child box, then invocation = triangle, each against a frustum that holds the
+// whole packet. Only the triangles that are left are tested invocation = ray. A node thus costs about the same for
+// eight rays and for sixty-four, and is fetched and decoded once.
 // The frustum is beam.glsl's.
 //
 // Rays form groups that leave the same plane, run along the same axis and differ little in direction. What does not pay
 // comes back as a retry for the traversal of single rays: groups that are too small, and groups whose frustum met more than
 // kPacketBudget nodes and batches of triangles. Both traversals find the same triangle, so it does not matter which did.
 
+// With kAnyHit a ray that has a hit leaves the packet, and the frustum shrinks to those that are left.
 void PAGE_NAME(trace_packet)(uint first_ray) {
   const float step_m = frame.sun_radiance.w;
   const float per_m = 1.0 / step_m;
@@ -100,35 +102,20 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
           group = uvec2(from_lane(entries.x, sp & 7u), from_lane(entries.y, sp & 7u));
         }
         ++steps;
-        const uint node = take_child(group, octant);
+        const uint node = take_child(group, octant, PAGE_NAME(node_words));
         if ((group.y >> 24) != 0u) {
           for (uint pair = 0u; pair < kStackPairs; ++pair)
             stack[pair] = sp == pair * kTeam + team_lane ? group : stack[pair];
           ++sp;
         }
-        // Lane i fetches the i-th four words of the node, then decodes and tests child i.
-        const uvec4 words = PAGE_NAME(load4)(node + 4u * min(team_lane, 4u));
-        const uvec3 node_origin = uvec3(from_lane(words.x, 0u), from_lane(words.y, 0u), from_lane(words.z, 0u));
-        const uint masks = from_lane(words.w, 0u);
-        const bool upper = team_lane >= 4u;
-        const uint shift = 8u * (team_lane & 3u);
-        const uvec3 low_bytes = uvec3(upper ? from_lane(words.y, 2u) : from_lane(words.x, 2u),
-                                      upper ? from_lane(words.w, 2u) : from_lane(words.z, 2u),
-                                      upper ? from_lane(words.y, 3u) : from_lane(words.x, 3u));
-        const uvec3 high_bytes = uvec3(upper ? from_lane(words.w, 3u) : from_lane(words.z, 3u),
-                                       upper ? from_lane(words.y, 4u) : from_lane(words.x, 4u),
-                                       upper ? from_lane(words.w, 4u) : from_lane(words.z, 4u));
-        const vec3 from = vec3(ivec3(node_origin) - frame.camera_lattice.xyz);
-        const vec3 unit = uintBitsToFloat(((uvec3(masks, masks >> 5, masks >> 10) & 31u) + 127u) << 23);
-        const vec3 box_low = permute(from + vec3((low_bytes >> shift) & 0xFFu) * unit, longest);
-        const vec3 box_high = permute(from + vec3((high_bytes >> shift) & 0xFFu) * unit, longest);
-        const bool touched = beam_meets_box(beam, box_low, box_high);
-        const uint met_children = team_ballot(touched) & (masks >> 16 | masks >> 24) & 0xFFu;
-        const uint inner = masks >> 16 & 0xFFu;
-        triangles = leaf_triangles(met_children & (masks >> 24), from_lane(words.z, 1u));
-        triangle_word = node + from_lane(words.y, 1u);
-        cluster_word = node + from_lane(words.w, 1u);
-        group = uvec2(node + from_lane(words.x, 1u), order_slots(met_children & inner, octant) << 24 | inner);
+        vec3 box_low;
+        vec3 box_high;
+        const NodeRefs refs = PAGE_NAME(load_child)(node, longest, box_low, box_high);
+        const uint met_children = team_ballot(beam_meets_box(beam, box_low, box_high));
+        triangles = leaf_triangles(met_children & refs.leaves, refs.counts);
+        triangle_word = refs.triangle_word;
+        cluster_word = refs.cluster_word;
+        group = uvec2(refs.child_word, order_slots(met_children & refs.inner, octant) << 24 | refs.inner);
       } while (triangles == 0u && steps < kPacketBudget);
       if (triangles == 0u) break;
 
@@ -148,15 +135,14 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
           vec3 a;
           vec3 b;
           vec3 c;
-          PAGE_NAME(load_corners)(
-              cluster, PAGE_NAME(load)(triangle_word + (candidate ? first + team_lane : first)), a, b, c);
+          PAGE_NAME(load_triangle)(cluster, triangle_word + (candidate ? first + team_lane : first), a, b, c);
           shape = make_triangle(permute(a, longest), permute(b, longest), permute(c, longest));
           met = team_ballot(candidate && beam_meets_triangle(beam, shape));
           own = leaves_surface && winds_with(shape.normal, lead_plane) ? 1u : 0u;
         } while (met == 0u && triangles != 0u);
         do {
           const uint lane = uint(findLSB(met));
-          const uint hit = hit_at(cluster_word, triangle_word - cluster.triangle_word + first + lane);
+          const uint hit = PAGE_NAME(hit_of)(cluster, triangle_word + first + lane);
           const Triangle one =
               Triangle(from_lane(shape.a, lane), from_lane(shape.b, lane), from_lane(shape.c, lane),
                        from_lane(shape.normal, lane), from_lane(shape.z_low, lane), from_lane(shape.z_high, lane));
@@ -166,18 +152,28 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
             const bool inside = hit_triangle(one, origin[r], scale[r], t);
             const bool take = inside && t >= t_min[r] && (t < t_max[r] || (t == t_max[r] && hit < best[r])) &&
                               !(is_own && t * climb[r] * step_m <= own_height_m);
-            t_max[r] = take ? t : t_max[r];
+            t_max[r] = take ? (kAnyHit != 0u ? -t : t) : t_max[r];
             best[r] = take ? hit : best[r];
           }
           met &= met - 1u;
         } while (met != 0u);
       } while (triangles != 0u);
-      float last = -kNever;
-      for (int r = 0; r < kRaysPerLane; ++r)
-        last = max(last, t_max[r] >= 0.0 ? reach_of(beam, origin[r], scale[r], t_max[r]) : -kNever);
-      beam.z_last = team_max(last) * 1.000002;
+      if (kAnyHit != 0u) {
+        beam = empty_beam(start, forward);
+        for (int r = 0; r < kRaysPerLane; ++r) widen_beam(beam, t_max[r] >= 0.0, origin[r], scale[r], t_max[r]);
+        gather_beam(beam);
+        finished = beam.z_last < 0.0;
+      } else {
+        float last = -kNever;
+        for (int r = 0; r < kRaysPerLane; ++r)
+          last = max(last, t_max[r] >= 0.0 ? reach_of(beam, origin[r], scale[r], t_max[r]) : -kNever);
+        beam.z_last = team_max(last) * 1.000002;
+      }
     }
 
+    if (kAnyHit != 0u) {
+      for (int r = 0; r < kRaysPerLane; ++r) members &= best[r] == kHitNone ? 0xFFFFFFFFu : ~(1u << r);
+    }
     again |= finished ? 0u : members;
     for (int r = 0; r < kRaysPerLane; ++r) t_max[r] = -abs(t_max[r]);
   }

@@ -60,7 +60,7 @@ void add_thesis_node(const SahTree& tree, std::uint32_t at, Layout& layout) {
 
 class ThesisEngine final : public GpuEngine {
  public:
-  explicit ThesisEngine(Device& device) : GpuEngine(device) {}
+  ThesisEngine(Device& device, bool any_hit) : GpuEngine(device, any_hit) {}
   [[nodiscard]] std::string name() const override { return "thesis"; }
 
   Status build(const BenchScene& scene) override {
@@ -86,7 +86,7 @@ class ThesisEngine final : public GpuEngine {
 
 class Bvh2Engine final : public GpuEngine {
  public:
-  explicit Bvh2Engine(Device& device) : GpuEngine(device) {}
+  Bvh2Engine(Device& device, bool any_hit) : GpuEngine(device, any_hit) {}
   [[nodiscard]] std::string name() const override { return "bvh2"; }
 
   Status build(const BenchScene& scene) override {
@@ -144,7 +144,11 @@ class Bvh2Engine final : public GpuEngine {
 
 }  // namespace
 
-std::unique_ptr<TraceEngine> make_thesis_engine(Device& device) { return std::make_unique<ThesisEngine>(device); }
-std::unique_ptr<TraceEngine> make_bvh2_engine(Device& device) { return std::make_unique<Bvh2Engine>(device); }
+std::unique_ptr<TraceEngine> make_thesis_engine(Device& device, bool any_hit) {
+  return std::make_unique<ThesisEngine>(device, any_hit);
+}
+std::unique_ptr<TraceEngine> make_bvh2_engine(Device& device, bool any_hit) {
+  return std::make_unique<Bvh2Engine>(device, any_hit);
+}
 
 }  // namespace zc::bench

@@ -11,7 +11,7 @@
 
 namespace zc::bench {
 
-std::unique_ptr<TraceEngine> make_thesis_engine(Device& device);
-std::unique_ptr<TraceEngine> make_bvh2_engine(Device& device);
+std::unique_ptr<TraceEngine> make_thesis_engine(Device& device, bool any_hit);
+std::unique_ptr<TraceEngine> make_bvh2_engine(Device& device, bool any_hit);
 
 }  // namespace zc::bench

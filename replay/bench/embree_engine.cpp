@@ -15,7 +15,7 @@ namespace {
 
 class EmbreeEngine final : public TraceEngine {
  public:
-  EmbreeEngine(bool robust, unsigned threads) : robust_(robust), threads_(threads) {}
+  EmbreeEngine(bool robust, bool any_hit, unsigned threads) : robust_(robust), any_hit_(any_hit), threads_(threads) {}
   ~EmbreeEngine() override {
     if (scene_ != nullptr) rtcReleaseScene(scene_);
     if (device_ != nullptr) rtcReleaseDevice(device_);
@@ -56,26 +56,38 @@ class EmbreeEngine final : public TraceEngine {
     parallel_chunks(rays.size(), threads_, [&](std::size_t begin, std::size_t end) {
       RTCIntersectContext context;
       rtcInitIntersectContext(&context);
-      for (std::size_t i = begin; i < end; ++i) {
-        const BenchRay& ray = rays[i];
-        RTCRayHit query{};
-        query.ray.org_x = ray.ox, query.ray.org_y = ray.oy, query.ray.org_z = ray.oz;
-        query.ray.dir_x = ray.dx, query.ray.dir_y = ray.dy, query.ray.dir_z = ray.dz;
-        query.ray.tnear = 0;
-        query.ray.tfar = std::numeric_limits<float>::infinity();
-        query.ray.mask = 0xFFFFFFFFU;
-        query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(scene_, &context, &query);
-        hits[i] = query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? BenchHit{} : BenchHit{query.ray.tfar, query.hit.primID};
-      }
+      for (std::size_t i = begin; i < end; ++i)
+        hits[i] = any_hit_ ? occluded(context, rays[i]) : nearest(context, rays[i]);
     });
     const double ms = watch.ms();
-    ZC_TRY(fault("rtcIntersect1"));
+    ZC_TRY(fault(any_hit_ ? "rtcOccluded1" : "rtcIntersect1"));
     return ms;
   }
 
  private:
+  static RTCRay to_ray(const BenchRay& from) {
+    RTCRay ray{};
+    ray.org_x = from.ox, ray.org_y = from.oy, ray.org_z = from.oz;
+    ray.dir_x = from.dx, ray.dir_y = from.dy, ray.dir_z = from.dz;
+    ray.tfar = std::numeric_limits<float>::infinity();
+    ray.mask = 0xFFFFFFFFU;
+    return ray;
+  }
+  BenchHit nearest(RTCIntersectContext& context, const BenchRay& from) const {
+    RTCRayHit query{};
+    query.ray = to_ray(from);
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene_, &context, &query);
+    return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? BenchHit{} : BenchHit{query.ray.tfar, query.hit.primID};
+  }
+  // Embree says no more of an occluded ray than that it is.
+  BenchHit occluded(RTCIntersectContext& context, const BenchRay& from) const {
+    RTCRay ray = to_ray(from);
+    rtcOccluded1(scene_, &context, &ray);
+    return ray.tfar < 0 ? BenchHit{0, 0} : BenchHit{};
+  }
+
   static bool on_memory(void* self, ssize_t bytes, bool /*post*/) {
     static_cast<EmbreeEngine*>(self)->bytes_ += bytes;
     return true;
@@ -102,6 +114,7 @@ class EmbreeEngine final : public TraceEngine {
   }
 
   bool robust_;
+  bool any_hit_;
   unsigned threads_;
   std::vector<float> vertices_;
   std::vector<std::uint32_t> indices_;
@@ -115,8 +128,8 @@ class EmbreeEngine final : public TraceEngine {
 
 bool has_embree() { return true; }
 
-std::unique_ptr<TraceEngine> make_embree_engine(bool robust, unsigned threads) {
-  return std::make_unique<EmbreeEngine>(robust, threads);
+std::unique_ptr<TraceEngine> make_embree_engine(bool robust, bool any_hit, unsigned threads) {
+  return std::make_unique<EmbreeEngine>(robust, any_hit, threads);
 }
 
 }  // namespace zc::bench
@@ -125,7 +138,9 @@ namespace zc::bench {
 
 bool has_embree() { return false; }
 
-std::unique_ptr<TraceEngine> make_embree_engine(bool /*robust*/, unsigned /*threads*/) { return nullptr; }
+std::unique_ptr<TraceEngine> make_embree_engine(bool /*robust*/, bool /*any_hit*/, unsigned /*threads*/) {
+  return nullptr;
+}
 
 }  // namespace zc::bench
 #endif

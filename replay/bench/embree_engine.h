@@ -14,6 +14,6 @@ namespace zc::bench {
 bool has_embree();
 
 // robust: RTC_SCENE_FLAG_ROBUST. Null without Embree.
-std::unique_ptr<TraceEngine> make_embree_engine(bool robust, unsigned threads);
+std::unique_ptr<TraceEngine> make_embree_engine(bool robust, bool any_hit, unsigned threads);
 
 }  // namespace zc::bench

@@ -22,24 +22,25 @@ std::string_view missing_zonecast(const EngineContext& context) {
   return misfit(kVariant, {context.device->subgroup_size(), context.device->limits().maxComputeSharedMemorySize, 1});
 }
 
-template <TraceVariant kVariant>
+template <TraceVariant kVariant, bool kPlain>
 std::unique_ptr<TraceEngine> zonecast(const EngineContext& context, std::string_view name) {
-  return make_zonecast_engine(*context.device, std::string(name), kVariant, *context.page_builder, context.threads);
+  return make_zonecast_engine(*context.device, {std::string(name), kVariant, kPlain, context.any_hit},
+                              *context.page_builder, context.threads);
 }
 
-template <TraceVariant kVariant>
+template <TraceVariant kVariant, bool kPlain = false>
 constexpr EngineEntry entry(std::string_view name) {
-  return {name, true, missing_zonecast<kVariant>, zonecast<kVariant>};
+  return {name, true, missing_zonecast<kVariant>, zonecast<kVariant, kPlain>};
 }
 
 std::unique_ptr<TraceEngine> thesis(const EngineContext& context, std::string_view /*name*/) {
-  return make_thesis_engine(*context.device);
+  return make_thesis_engine(*context.device, context.any_hit);
 }
 std::unique_ptr<TraceEngine> bvh2(const EngineContext& context, std::string_view /*name*/) {
-  return make_bvh2_engine(*context.device);
+  return make_bvh2_engine(*context.device, context.any_hit);
 }
 std::unique_ptr<TraceEngine> ray_query(const EngineContext& context, std::string_view /*name*/) {
-  return make_ray_query_engine(*context.device);
+  return make_ray_query_engine(*context.device, context.any_hit);
 }
 
 std::string_view missing_embree(const EngineContext& /*context*/) {
@@ -48,7 +49,7 @@ std::string_view missing_embree(const EngineContext& /*context*/) {
 
 template <bool kRobust>
 std::unique_ptr<TraceEngine> embree(const EngineContext& context, std::string_view /*name*/) {
-  return make_embree_engine(kRobust, context.threads);
+  return make_embree_engine(kRobust, context.any_hit, context.threads);
 }
 
 constexpr std::array kEngines = {
@@ -60,6 +61,8 @@ constexpr std::array kEngines = {
     entry<TraceVariant{.rays_per_lane = 0}>("zonecast/single"),
     entry<TraceVariant{.rays_per_lane = 0, .pool_path = gpu::kPoolStorage}>("zonecast/single_storage"),
     entry<TraceVariant{.rays_per_lane = 0, .stack_shared = true}>("zonecast/single_shared"),
+    entry<TraceVariant{}, true>("zonecast/plain_packets"),
+    entry<TraceVariant{.rays_per_lane = 0}, true>("zonecast/plain_single"),
     EngineEntry{"thesis", true, nothing, thesis},
     EngineEntry{"bvh2", true, nothing, bvh2},
     EngineEntry{"ray_query", true, missing_ray_query, ray_query},

@@ -16,6 +16,7 @@ struct EngineContext {
   Device* device = nullptr;  // borrowed; null where no device was needed
   const PageBuilder* page_builder = nullptr;  // borrowed; null where there is none
   unsigned threads = 1;
+  bool any_hit = false;  // else the closest
 };
 
 struct EngineEntry {

@@ -67,6 +67,7 @@ Status GpuEngine::set_kernel(KernelOptions options, std::vector<Buffer> data, st
   data_ = std::move(data);
   push_ = std::move(push);
   push_.insert(push_.begin(), 0);
+  options.constants.insert(options.constants.begin(), any_hit_ ? 1 : 0);
   options.buffers = static_cast<std::uint32_t>(2 + data_.size());
   options.push_bytes = static_cast<std::uint32_t>(4 * push_.size());
   ZC_ASSIGN(kernel_, ComputeKernel::create(device_, options));

@@ -26,17 +26,18 @@ class GpuEngine : public TraceEngine {
   Result<double> trace(std::span<const BenchRay> rays, std::span<BenchHit> hits) override;
 
  protected:
-  explicit GpuEngine(Device& device) : device_(device) {}
+  GpuEngine(Device& device, bool any_hit) : device_(device), any_hit_(any_hit) {}
   [[nodiscard]] Device& device() { return device_; }
 
-  // To be called by build(): a kernel whose bindings from 2 on are `data`, and whose push constants are the number of
-  // rays followed by `push`.
+  // To be called by build(): a kernel whose bindings from 2 on are `data`, whose push constants are the number of rays
+  // followed by `push`, and whose specialisation constants are kAnyHit followed by those in the options.
   Status set_kernel(KernelOptions options, std::vector<Buffer> data, std::vector<std::uint32_t> push = {});
   [[nodiscard]] ComputeKernel& kernel() { return *kernel_; }
   BuildFigures figures_;
 
  private:
   Device& device_;
+  bool any_hit_;
   std::unique_ptr<ComputeKernel> kernel_;
   std::vector<Buffer> data_;
   std::vector<std::uint32_t> push_;

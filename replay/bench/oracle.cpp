@@ -15,7 +15,7 @@ namespace zc::bench {
 namespace {
 
 constexpr std::uint32_t kLeafTriangles = 4;
-constexpr int kRing = 16;
+constexpr std::size_t kRing = 16;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 OracleRay widen(const BenchRay& ray) { return {{ray.ox, ray.oy, ray.oz}, {ray.dx, ray.dy, ray.dz}}; }
@@ -56,20 +56,40 @@ double first_within(const OracleRay& ray, const std::array<glm::dvec3, 3>& corne
   return high;
 }
 
-// Whether the ray and all of the ring at `radius` around it are stopped nearer than t_limit.
-bool stopped_for_certain(const Oracle& oracle, const OracleRay& ray, double t_limit, double radius) {
+// The ray, and a ring of others at `radius` around it.
+std::array<OracleRay, kRing + 1> bundle(const OracleRay& ray, double radius) {
   const glm::dvec3 d = glm::normalize(ray.direction);
   const glm::dvec3 side = std::abs(d.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 a = glm::normalize(glm::cross(d, side));
   const glm::dvec3 b = glm::cross(d, a);
-  if (!(oracle.trace(ray, radius).t < t_limit)) return false;
-  for (int i = 0; i < kRing; ++i) {
-    const double angle = 2 * std::numbers::pi * i / kRing;
-    OracleRay shifted = ray;
-    shifted.origin += radius * (std::cos(angle) * a + std::sin(angle) * b);
-    if (!(oracle.trace(shifted, radius).t < t_limit)) return false;
+  std::array<OracleRay, kRing + 1> rays;
+  rays.fill(ray);
+  for (std::size_t i = 0; i < kRing; ++i) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kRing;
+    rays[i + 1].origin += radius * (std::cos(angle) * a + std::sin(angle) * b);
   }
+  return rays;
+}
+
+// Whether the ray and all of the ring at `radius` around it are stopped nearer than t_limit.
+bool stopped_for_certain(const Oracle& oracle, const OracleRay& ray, double t_limit, double radius) {
+  return std::ranges::all_of(bundle(ray, radius),
+                             [&](const OracleRay& r) { return oracle.trace(r, radius).t < t_limit; });
+}
+
+// Whether nothing that the oracle knows of comes within `radius` of the ray. Rings of several widths, so that no sliver
+// lies between them unseen.
+bool passes_for_certain(const Oracle& oracle, const OracleRay& ray, double radius) {
+  for (const double share : {1.0, 0.25, 0.0625})
+    for (const OracleRay& r : bundle(ray, share * radius))
+      if (oracle.trace(r).triangle != kMiss) return false;
   return true;
+}
+
+Verdict judge_miss(const Oracle& oracle, const OracleRay& ray, const OracleHit& expected) {
+  if (expected.triangle == kMiss) return Verdict::kMissedByBoth;
+  const double bound = rounding_bound(ray.origin, oracle.corners(expected.triangle));
+  return stopped_for_certain(oracle, ray, kInfinity, 2 * bound) ? Verdict::kMismatch : Verdict::kTied;
 }
 
 }  // namespace
@@ -188,6 +208,10 @@ OracleHit Oracle::trace(const OracleRay& ray, double clear_m) const {
   return hit;
 }
 
+double Oracle::farthest_m(const glm::dvec3& point) const {
+  return glm::length(glm::max(glm::abs(nodes_[0].min - point), glm::abs(nodes_[0].max - point)));
+}
+
 std::vector<OracleHit> Oracle::trace(std::span<const BenchRay> rays, unsigned threads) const {
   std::vector<OracleHit> hits(rays.size());
   parallel_chunks(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
@@ -199,11 +223,7 @@ std::vector<OracleHit> Oracle::trace(std::span<const BenchRay> rays, unsigned th
 Verdict judge(const Oracle& oracle, const BenchRay& float_ray, const OracleHit& expected, const BenchHit& reported,
               std::size_t triangle_count) {
   const OracleRay ray = widen(float_ray);
-  if (reported.triangle == kMiss) {
-    if (expected.triangle == kMiss) return Verdict::kMissedByBoth;
-    const double bound = rounding_bound(ray.origin, oracle.corners(expected.triangle));
-    return stopped_for_certain(oracle, ray, kInfinity, 2 * bound) ? Verdict::kMismatch : Verdict::kTied;
-  }
+  if (reported.triangle == kMiss) return judge_miss(oracle, ray, expected);
   if (reported.triangle >= triangle_count || !(reported.t >= 0) || !std::isfinite(reported.t))
     return Verdict::kMismatch;
   const double t = static_cast<double>(reported.t);
@@ -218,12 +238,22 @@ Verdict judge(const Oracle& oracle, const BenchRay& float_ray, const OracleHit& 
   return stopped_for_certain(oracle, ray, t_limit, radius) ? Verdict::kMismatch : Verdict::kTied;
 }
 
+Verdict judge_any_hit(const Oracle& oracle, const BenchRay& float_ray, const OracleHit& expected,
+                      const BenchHit& reported, std::size_t triangle_count) {
+  const OracleRay ray = widen(float_ray);
+  if (reported.triangle == kMiss) return judge_miss(oracle, ray, expected);
+  if (reported.triangle >= triangle_count) return Verdict::kMismatch;
+  if (expected.triangle != kMiss) return Verdict::kSame;
+  const double bound = kRoundings * 0x1p-24 * oracle.farthest_m(ray.origin);
+  return passes_for_certain(oracle, ray, 2 * bound) ? Verdict::kMismatch : Verdict::kTied;
+}
+
 Comparison compare(const Oracle& oracle, std::span<const BenchRay> rays, std::span<const OracleHit> expected,
-                   std::span<const BenchHit> reported, std::size_t triangle_count, unsigned threads) {
+                   std::span<const BenchHit> reported, std::size_t triangle_count, bool any_hit, unsigned threads) {
   std::vector<Verdict> verdicts(rays.size());
   parallel_chunks(rays.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      verdicts[i] = judge(oracle, rays[i], expected[i], reported[i], triangle_count);
+      verdicts[i] = (any_hit ? judge_any_hit : judge)(oracle, rays[i], expected[i], reported[i], triangle_count);
   });
   Comparison sum;
   for (std::size_t i = 0; i < verdicts.size(); ++i) {

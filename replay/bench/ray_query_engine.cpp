@@ -60,7 +60,7 @@ void after_build(VkCommandBuffer c) {
 
 class RayQueryEngine final : public GpuEngine {
  public:
-  explicit RayQueryEngine(Device& device) : GpuEngine(device), functions_(device.handle()) {}
+  RayQueryEngine(Device& device, bool any_hit) : GpuEngine(device, any_hit), functions_(device.handle()) {}
   ~RayQueryEngine() override {
     for (const Structure* structure : {&bottom_, &top_})
       if (structure->handle != VK_NULL_HANDLE) functions_.destroy(device().handle(), structure->handle, nullptr);
@@ -209,6 +209,8 @@ class RayQueryEngine final : public GpuEngine {
 
 }  // namespace
 
-std::unique_ptr<TraceEngine> make_ray_query_engine(Device& device) { return std::make_unique<RayQueryEngine>(device); }
+std::unique_ptr<TraceEngine> make_ray_query_engine(Device& device, bool any_hit) {
+  return std::make_unique<RayQueryEngine>(device, any_hit);
+}
 
 }  // namespace zc::bench

@@ -11,6 +11,6 @@
 
 namespace zc::bench {
 
-std::unique_ptr<TraceEngine> make_ray_query_engine(Device& device);
+std::unique_ptr<TraceEngine> make_ray_query_engine(Device& device, bool any_hit);
 
 }  // namespace zc::bench

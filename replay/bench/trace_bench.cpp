@@ -39,13 +39,14 @@ Result<TraceBenchReport> run_trace_bench(const BenchScene& scene, const Oracle& 
                                          const TraceBenchOptions& options) {
   TraceBenchReport report;
   report.scene = scene.name;
+  report.any_hit = options.any_hit;
   report.rays = rays.size();
   report.triangles = scene.triangles.size();
   report.zones = scene.zones.size();
 
   const std::vector<const EngineEntry*> chosen = choose(options.engines);
   const bool by_name = !options.engines.empty();
-  EngineContext context{nullptr, &options.page_builder, options.threads};
+  EngineContext context{nullptr, &options.page_builder, options.threads, options.any_hit};
   std::unique_ptr<Device> device;
   std::string no_device;
   if (std::ranges::any_of(chosen, &EngineEntry::needs_device)) {
@@ -97,9 +98,9 @@ Result<TraceBenchReport> run_trace_bench(const BenchScene& scene, const Oracle& 
     };
     if (Status built = engine->build(scene); !built.ok()) return named(std::move(built).error());
     row.figures = engine->figures();
-    std::ranges::fill(hits, BenchHit{0, 0});  // a hit that an engine does not write is a wrong one
+    std::ranges::fill(hits, BenchHit{0, kMiss - 1});  // a hit that an engine does not write is a wrong one
     if (Result<double> traced = engine->trace(rays, hits); !traced) return named(std::move(traced).error());
-    row.comparison = compare(oracle, rays, expected, hits, scene.triangles.size(), options.threads);
+    row.comparison = compare(oracle, rays, expected, hits, scene.triangles.size(), options.any_hit, options.threads);
     report.rows.push_back(std::move(row));
   }
   // In turn, so that whatever else the machine does hits all alike.

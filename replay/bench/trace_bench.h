@@ -23,6 +23,7 @@ struct TraceBenchOptions {
   std::vector<std::string> engines;  // empty: all that are there
   unsigned repeat = 5;
   unsigned threads = 2;
+  bool any_hit = false;  // whether something is hit; else the closest hit
   PageBuilder page_builder;  // without it our own engines are left out
   std::string device;  // part of the Vulkan device's name
   std::function<void(double fraction, std::string_view stage)> progress;  // may be empty
@@ -38,6 +39,7 @@ struct EngineRow {
 
 struct TraceBenchReport {
   std::string scene;
+  bool any_hit = false;
   std::string device, driver;  // empty when no engine needs one
   std::uint64_t rays = 0;
   std::uint64_t triangles = 0;

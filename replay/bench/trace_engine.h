@@ -67,8 +67,9 @@ class TraceEngine {
   // Once, before the first trace. The scene stays alive as long as the engine.
   virtual Status build(const BenchScene& scene) = 0;
   [[nodiscard]] virtual BuildFigures figures() const = 0;
-  // Closest hit of each ray with t in [0, inf), both sides of a triangle. Returns the milliseconds that tracing took,
-  // without moving rays and hits between memories.
+  // Closest hit of each ray with t in [0, inf), both sides of a triangle; or, of an engine made for any hit, whether
+  // there is one: kMiss, or a triangle's index. Returns the milliseconds that tracing took, without moving rays and hits
+  // between memories.
   virtual Result<double> trace(std::span<const BenchRay> rays, std::span<BenchHit> hits) = 0;
 };
 

@@ -23,8 +23,9 @@ double bytes_per_triangle(const TraceBenchReport& report, const EngineRow& row) 
 }  // namespace
 
 std::string trace_table(const TraceBenchReport& report) {
-  std::string text = report.scene + ": " + std::to_string(report.rays) + " rays, " + std::to_string(report.triangles) +
-                     " triangles in " + std::to_string(report.zones) + " zones";
+  std::string text = report.scene + ": " + std::to_string(report.rays) +
+                     (report.any_hit ? " rays for any hit, " : " rays for the closest hit, ") +
+                     std::to_string(report.triangles) + " triangles in " + std::to_string(report.zones) + " zones";
   if (!report.device.empty()) text += "; " + report.device + ", " + report.driver;
   text += "\n" + format("%-12s %-22s %9s %9s %9s %8s %10s", "case", "engine", "Mrays/s", "best", "build ms", "B/tri",
                         "mismatches");
@@ -46,9 +47,10 @@ std::string trace_table(const TraceBenchReport& report) {
 }
 
 nlohmann::ordered_json trace_json(const TraceBenchReport& report) {
-  nlohmann::ordered_json json = {{"driver", report.driver}, {"device", report.device},
-                                 {"rays", report.rays},     {"triangles", report.triangles},
-                                 {"zones", report.zones},   {"left_out", report.left_out}};
+  nlohmann::ordered_json json = {{"driver", report.driver},    {"device", report.device},
+                                 {"rays", report.rays},        {"triangles", report.triangles},
+                                 {"zones", report.zones},      {"any_hit", report.any_hit},
+                                 {"left_out", report.left_out}};
   json["rows"] = nlohmann::ordered_json::array();
   for (const EngineRow& row : report.rows) {
     json["rows"].push_back({{"case", report.scene},

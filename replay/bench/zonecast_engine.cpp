@@ -5,10 +5,13 @@
 #include <utility>
 
 #include "base/check.h"
+#include "replay/bench/gpu_engine.h"
 #include "replay/bench/parallel_chunks.h"
+#include "replay/bench/plain_layout.h"
 #include "replay/bench/stopwatch.h"
 #include "replay/bench/zone_mesh.h"
 #include "runtime/renderer.h"
+#include "runtime/shader_code.h"
 #include "runtime/zone_set.h"
 
 namespace zc::bench {
@@ -19,15 +22,15 @@ constexpr std::uint32_t kPictureWidth = 1024;  // the renderer takes as many ray
 
 class ZonecastEngine final : public TraceEngine {
  public:
-  ZonecastEngine(Device& device, std::string name, const TraceVariant& variant, PageBuilder builder, unsigned threads)
+  ZonecastEngine(Device& device, ZonecastOptions options, PageBuilder builder, unsigned threads)
       : device_(device),
-        name_(std::move(name)),
-        variant_(variant),
+        options_(std::move(options)),
         builder_(std::move(builder)),
         threads_(threads),
         zones_(device),
-        no_zones_(device) {}
-  [[nodiscard]] std::string name() const override { return name_; }
+        no_zones_(device),
+        plain_zones_(device) {}
+  [[nodiscard]] std::string name() const override { return options_.name; }
   [[nodiscard]] BuildFigures figures() const override { return figures_; }
 
   Status build(const BenchScene& scene) override {
@@ -57,7 +60,7 @@ class ZonecastEngine final : public TraceEngine {
     figures_.build_ms += watch.ms();
     figures_.bytes = 4 * (words + zones_.end_word() - zones_.root_word());
     entries_ = std::move(entries);
-    return {};
+    return options_.plain ? build_plain() : Status{};
   }
 
   Result<double> trace(std::span<const BenchRay> rays, std::span<BenchHit> hits) override {
@@ -68,10 +71,14 @@ class ZonecastEngine final : public TraceEngine {
       options.height = height_ = height;
       options.page_depth = page_depth_;
       options.max_zones = static_cast<std::uint32_t>(entries_.size());
-      options.trace = variant_;
-      if (const auto why_not = misfit(variant_, trace_limits(device_, options)); !why_not.empty())
+      options.trace = options_.variant;
+      if (const auto why_not = misfit(options.trace, trace_limits(device_, options)); !why_not.empty())
         return Error{ErrorCode::kDevice, std::string(why_not)};
-      ZC_ASSIGN(renderer_, Renderer::create(device_, zones_, no_zones_, {}, options));
+      if (options_.plain)
+        options.proxy_kernels = {shader::bench_trace_plain_packets(),
+                                 packets() ? shader::bench_trace_plain_children() : shader::bench_trace_plain_rays(),
+                                 shader::bench_resolve_plain()};
+      ZC_ASSIGN(renderer_, Renderer::create(device_, options_.plain ? plain_zones_ : zones_, no_zones_, {}, options));
     }
     RenderCamera camera;
     camera.step_m = scene_->step_m;
@@ -82,12 +89,18 @@ class ZonecastEngine final : public TraceEngine {
       tasks[i] = {r.ox, r.oy, r.oz, 0, r.dx, r.dy, r.dz, gpu::kNoSurface};
     }
     double milliseconds = 0;
-    ZC_ASSIGN(const std::vector<TracedHit> records, renderer_->trace(camera, tasks, false, &milliseconds));
+    ZC_ASSIGN(const std::vector<TracedHit> records,
+              renderer_->trace(camera, tasks, {.any_hit = options_.any_hit}, &milliseconds));
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      const TracedHit& hit = records[i];
+      TracedHit hit = records[i];
       if (hit.page_word == gpu::kHitLost) return Error{ErrorCode::kDevice, "ray " + std::to_string(i) + " was lost"};
       hits[i] = {};
       if (hit.page_word == gpu::kHitNone) continue;
+      if (options_.plain) {
+        const PlainTriangle& triangle = plain_triangles_.at(hit.triangle - plain_first_);
+        hit.page_word = triangle.page_word;
+        hit.triangle = triangle.position;
+      }
       const auto zone = std::ranges::lower_bound(entries_, hit.page_word, {}, &gpu::ZoneEntry::page_word);
       ZC_CHECK(zone != entries_.end() && zone->page_word == hit.page_word);
       hits[i] = {hit.t, scene_->zones[zone->node].first + order_[zone->node].at(hit.triangle)};
@@ -116,14 +129,33 @@ class ZonecastEngine final : public TraceEngine {
     return pages;
   }
 
+  [[nodiscard]] bool packets() const { return options_.variant.rays_per_lane > 0; }
+
+  // From the pool as the device has it.
+  Status build_plain() {
+    std::vector<std::uint32_t> pool(zones_.end_word());
+    ZC_TRY(read_buffer(device_, zones_.pool(), std::as_writable_bytes(std::span(pool))));
+    const Stopwatch watch;
+    PlainPool plain =
+        make_plain_pool(pool, zones_.root_word(), packets() ? PlainNodes::kByChild : PlainNodes::kByPlane);
+    figures_.build_ms += watch.ms();
+    figures_.bytes = 4 * plain.words.size();
+    plain_first_ = plain.first_triangle;
+    plain_triangles_ = std::move(plain.triangles);
+    ZC_TRY(plain_zones_.create(plain.words.size(), 1));
+    return write_buffer(device_, plain_zones_.pool(), std::as_bytes(std::span(plain.words)));
+  }
+
   Device& device_;
-  std::string name_;
-  TraceVariant variant_;
+  ZonecastOptions options_;
   PageBuilder builder_;
   unsigned threads_;
   const BenchScene* scene_ = nullptr;
   ZoneSet zones_;
   ZoneSet no_zones_;
+  ZoneSet plain_zones_;  // a pool alone
+  std::vector<PlainTriangle> plain_triangles_;
+  std::uint32_t plain_first_ = 0;
   std::vector<gpu::ZoneEntry> entries_;
   std::vector<std::vector<std::uint32_t>> order_;  // by zone
   std::unique_ptr<Renderer> renderer_;
@@ -134,9 +166,9 @@ class ZonecastEngine final : public TraceEngine {
 
 }  // namespace
 
-std::unique_ptr<TraceEngine> make_zonecast_engine(Device& device, std::string name, const TraceVariant& variant,
-                                                  PageBuilder builder, unsigned threads) {
-  return std::make_unique<ZonecastEngine>(device, std::move(name), variant, std::move(builder), threads);
+std::unique_ptr<TraceEngine> make_zonecast_engine(Device& device, ZonecastOptions options, PageBuilder builder,
+                                                  unsigned threads) {
+  return std::make_unique<ZonecastEngine>(device, std::move(options), std::move(builder), threads);
 }
 
 }  // namespace zc::bench

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our own pages and kernels: a page a zone, the top level over all of them, traced as a frame's rays are.
-// Bytes are those of the pages and the top level; tracing reads nothing else. Build time is that of pages on the CPU's
-// threads and of the top level.
+// Our own pages and kernels: a page a zone, the top level over all of them, traced as a frame's rays are; or the same
+// trees without compression. Bytes are those of the pages and the top level; tracing reads nothing else. Build time is
+// that of pages on the CPU's threads, of the top level, and of taking the compression off.
 // Borrows the device. Threads: as the device; the page builder is called from several at once.
 #pragma once
 
@@ -26,8 +26,15 @@ struct ZonePage {
 // Makes the page of a zone. Given by the composition root, because builders are the baker's.
 using PageBuilder = std::function<Result<ZonePage>(const ZoneMesh& mesh, NodeRecord& node)>;
 
+struct ZonecastOptions {
+  std::string name;
+  TraceVariant variant;
+  bool plain = false;  // the same trees without compression (plain_layout.h)
+  bool any_hit = false;
+};
+
 // Fails, when it traces, where the variant does not fit the device or the depth of the pages.
-std::unique_ptr<TraceEngine> make_zonecast_engine(Device& device, std::string name, const TraceVariant& variant,
-                                                  PageBuilder builder, unsigned threads);
+std::unique_ptr<TraceEngine> make_zonecast_engine(Device& device, ZonecastOptions options, PageBuilder builder,
+                                                  unsigned threads);
 
 }  // namespace zc::bench

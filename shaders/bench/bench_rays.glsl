@@ -4,6 +4,8 @@
 
 layout(local_size_x = 64) in;
 
+layout(constant_id = 0) const uint kAnyHit = 0u;  // 1: a ray ends at any hit
+
 struct BenchHit {
   float t;
   uint triangle;

@@ -6,7 +6,7 @@
 #include "bench_rays.glsl"
 #include "float_tests.glsl"
 
-layout(constant_id = 0) const int kStackSize = 64;  // at least the tree's depth
+layout(constant_id = 1) const int kStackSize = 64;  // at least the tree's depth
 
 struct Bvh2Node {
   vec4 min0_max0x;
@@ -67,8 +67,10 @@ void main() {
             t >= 0.0 && t < t_max) {
           t_max = t;
           nearest = i;
+          if (kAnyHit != 0u) break;
         }
       }
+      if (kAnyHit != 0u && nearest != kMiss) break;
     }
     if (next == kDone && size > 0) next = stack[--size];
     ref = next;

@@ -10,8 +10,9 @@ layout(set = 0, binding = 2) uniform accelerationStructureEXT scene;
 void main() {
   const uint ray = bench_ray_index();
   if (ray >= bench_ray_count) return;
+  const uint flags = gl_RayFlagsOpaqueEXT | (kAnyHit != 0u ? gl_RayFlagsTerminateOnFirstHitEXT : gl_RayFlagsNoneEXT);
   rayQueryEXT query;
-  rayQueryInitializeEXT(query, scene, gl_RayFlagsOpaqueEXT, 0xFFu, bench_origin(ray), 0.0, bench_direction(ray),
+  rayQueryInitializeEXT(query, scene, flags, 0xFFu, bench_origin(ray), 0.0, bench_direction(ray),
                         3.4028235e38);
   while (rayQueryProceedEXT(query)) {
   }

@@ -33,7 +33,7 @@ void main() {
   float t_max = kFarthest;
   uint nearest = kMiss;
   const uint node_count = nodes[0].min_skip.w;
-  for (uint at = 0u; at < node_count;) {
+  for (uint at = 0u; at < node_count && (kAnyHit == 0u || nearest == kMiss);) {
     const uvec4 low = nodes[at].min_skip;
     const uvec4 high = nodes[at].max_leaf;
     float t_near;
@@ -52,6 +52,7 @@ void main() {
       if (meets_triangle(a, b, c, origin, shear, t) && t >= 0.0 && t < t_max) {
         t_max = t;
         nearest = i;
+        if (kAnyHit != 0u) break;
       }
     }
     at = at + 1u;

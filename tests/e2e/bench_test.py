@@ -13,7 +13,8 @@ ARGUMENTS = 2
 FAILURE = 1
 SIZE = "160x90"
 OURS = {"zonecast/packets", "zonecast/packets_32", "zonecast/packets_storage", "zonecast/packets_w32",
-        "zonecast/packets_w128", "zonecast/single", "zonecast/single_storage", "zonecast/single_shared"}
+        "zonecast/packets_w128", "zonecast/single", "zonecast/single_storage", "zonecast/single_shared",
+        "zonecast/plain_packets", "zonecast/plain_single"}
 PEERS = {"thesis", "bvh2", "ray_query", "embree", "embree_robust"}
 OWN_BUILDERS = {"zonecast/" + name for name in ("auto", "binned", "sweep", "sbvh", "binned+reinsert", "sweep+reinsert",
                                                 "sbvh+reinsert")}
@@ -82,6 +83,27 @@ class Bench(support.Case):
         self.assertLessEqual(NEED_NO_MORE_THAN_VULKAN, engines)
         self.assertEqual({row["case"] for row in report["rows"]}, {"blocks"})
         self.assertTrue(report["device"] and report["driver"])
+
+    def test_every_engine_agrees_with_double_precision_on_whether_anything_is_hit(self):
+        scene = ("--triangles", self.triangles, "--path", self.path, "--size", SIZE)
+        report = self.trace(*scene, "--any-hit")
+        self.assertTrue(report["any_hit"])
+        self.assertLessEqual(NEED_NO_MORE_THAN_VULKAN, {row["engine"] for row in report["rows"]})
+        closest = self.trace(*scene, "--engines", "bvh2")
+        self.assertFalse(closest["any_hit"])
+        hit = {row["same"] + row["tied"] for row in report["rows"] + closest["rows"]}
+        self.assertLessEqual(max(hit) - min(hit), 4)  # ties at silhouettes
+        self.assertIn("any hit", self.zonecast("bench", "trace", *scene, "--any-hit", "--engines", "bvh2", "--repeat", 1))
+
+    def test_compression_changes_nothing_but_bytes(self):
+        report = self.trace(self.world, "--path", self.folder / "drive.csv", "--size", SIZE, "--engines",
+                            "zonecast/packets,zonecast/plain_packets,zonecast/single,zonecast/plain_single")
+        rows = {row["engine"]: row for row in report["rows"]}
+        self.assertEqual({(row["same"], row["tied"]) for row in rows.values()},
+                         {(report["rows"][0]["same"], report["rows"][0]["tied"])})
+        for kind in ("packets", "single"):
+            self.assertGreater(rows["zonecast/plain_" + kind]["bytes_per_triangle"],
+                               3 * rows["zonecast/" + kind]["bytes_per_triangle"])
 
     def test_dumped_rays_and_triangles_run_again(self):
         dumps = self.folder / "again.rays", self.folder / "again.tris"

@@ -85,7 +85,7 @@ class CheckedTracer {
   }
 
   Result<TraceSums> trace(std::size_t kernel, const RenderCamera& camera, std::span<const gpu::RayTask> rays) {
-    ZC_ASSIGN(const auto hits, renderers_[kernel]->trace(camera, rays, false));
+    ZC_ASSIGN(const auto hits, renderers_[kernel]->trace(camera, rays));
     const gpu::Counters counters = renderers_[kernel]->counters();
     TraceSums sums;
     sums.rays = rays.size();

@@ -173,7 +173,7 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
     ASSERT_TRUE(remade.ok()) << remade.error().describe();
     ASSERT_EQ(world.renderer().trace_variant(), variant);
     double milliseconds = 0;
-    const auto hits = world.renderer().trace(camera, rays, false, &milliseconds);
+    const auto hits = world.renderer().trace(camera, rays, {}, &milliseconds);
     ASSERT_TRUE(hits.ok()) << hits.error().describe();
     Verdict sum;
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -196,6 +196,14 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
     EXPECT_LT(sum.tied, kRays / 100);
     if (first_hits.empty()) first_hits = *hits;
     EXPECT_EQ(std::memcmp(first_hits.data(), hits->data(), hits->size() * sizeof(TracedHit)), 0);
+    const auto any = world.renderer().trace(camera, rays, {.any_hit = true});
+    ASSERT_TRUE(any.ok()) << any.error().describe();
+    std::size_t disagree = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_NE((*any)[i].page_word, gpu::kHitLost) << "ray " << i;
+      disagree += ((*any)[i].page_word == gpu::kHitNone) != (expected[i] == nullptr) ? 1 : 0;
+    }
+    EXPECT_EQ(disagree, 0U) << "rays of which any hit says otherwise";
     std::printf("%s, %zu triangles: %zu same, %zu tied, %zu missed by both, %.1f ms on %s\n",
                 trace_variant_name(variant).c_str(), triangles.size(), sum.same, sum.tied, sum.missed_by_both,
                 milliseconds, world.device().name().c_str());
@@ -203,7 +211,7 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
   // And so does the one that is measured to be the fastest.
   const Status chosen = world.renderer().choose_trace_variant(kRays, false);
   ASSERT_TRUE(chosen.ok()) << chosen.error().describe();
-  const auto hits = world.renderer().trace(camera, rays, false);
+  const auto hits = world.renderer().trace(camera, rays);
   ASSERT_TRUE(hits.ok()) << hits.error().describe();
   EXPECT_EQ(std::memcmp(first_hits.data(), hits->data(), hits->size() * sizeof(TracedHit)), 0);
   EXPECT_EQ(world.device().validation_messages(), 0U);

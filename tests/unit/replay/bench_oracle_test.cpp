@@ -137,6 +137,24 @@ TEST(BenchVerdict, AtASilhouetteBothSidesTieWithinRoundingOnly) {
   EXPECT_EQ(judge(alone, towards(4, kStep), {kInfinity, kMiss}), Verdict::kMismatch);
 }
 
+TEST(BenchVerdict, WhetherAnythingIsHitTiesWithinRoundingOfASilhouetteOnly) {
+  const std::vector<BenchTriangle> alone = {kWall[0]};
+  const Oracle oracle(alone);
+  const auto judged = [&](const BenchRay& ray, const BenchHit& reported) {
+    return judge_any_hit(oracle, ray, oracle.trace(std::span(&ray, 1), 1)[0], reported, alone.size());
+  };
+  const BenchHit miss{kInfinity, kMiss};
+  const float rounding = 15 * 0x1p-24F;
+  EXPECT_EQ(judged(towards(4, 1), {3, 0}), Verdict::kSame);  // how far is not asked
+  EXPECT_EQ(judged(towards(4, 1), miss), Verdict::kMismatch);
+  EXPECT_EQ(judged(towards(4, 1), {0, 1}), Verdict::kMismatch);  // no such triangle: what an unwritten hit looks like
+  EXPECT_EQ(judged(towards(4, rounding), miss), Verdict::kTied);
+  EXPECT_EQ(judged(towards(4, -rounding), {10, 0}), Verdict::kTied);
+  EXPECT_EQ(judged(towards(4, -rounding), miss), Verdict::kMissedByBoth);
+  EXPECT_EQ(judged(towards(4, kStep), miss), Verdict::kMismatch);
+  EXPECT_EQ(judged(towards(4, -kStep), {10, 0}), Verdict::kMismatch);
+}
+
 TEST(BenchVerdict, PlantedWrongHitsAreMismatches) {
   const BenchRay ray = towards(4, 1);
   EXPECT_EQ(judge(kWall, ray, {15, 2}), Verdict::kMismatch);            // the surface behind
@@ -171,12 +189,12 @@ TEST(BenchVerdict, CountsAddUpAndNameTheFirstMismatch) {
   const auto expected = oracle.trace(rays, 2);
   std::vector<BenchHit> reported;
   for (const OracleHit& hit : expected) reported.push_back({static_cast<float>(hit.t), hit.triangle});
-  Comparison comparison = compare(oracle, rays, expected, reported, triangles.size(), 2);
+  Comparison comparison = compare(oracle, rays, expected, reported, triangles.size(), false, 2);
   EXPECT_EQ(comparison.mismatches, 0U);
   EXPECT_EQ(comparison.same + comparison.missed_by_both, rays.size());
   reported[77] = {1e-3F, 299};
   reported[1234] = {1e-3F, 299};
-  comparison = compare(oracle, rays, expected, reported, triangles.size(), 2);
+  comparison = compare(oracle, rays, expected, reported, triangles.size(), false, 2);
   EXPECT_EQ(comparison.mismatches, 2U);
   EXPECT_EQ(comparison.first_mismatch, 77U);
   EXPECT_EQ(comparison.same + comparison.tied + comparison.missed_by_both + comparison.mismatches, rays.size());

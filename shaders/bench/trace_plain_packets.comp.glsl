@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// trace_packets.comp.glsl over the uncompressed layout.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "bindings.glsl"
+#include "trace.glsl"
+#include "team.glsl"
+#include "beam.glsl"
+#include "ray_queue.glsl"
+const uint kStackPairs = (uint(kStackSize) + kTeam - 1u) / kTeam;  // of registers a lane
+#include "bench/plain_children_team.glsl"
+#include "traverse_packet.glsl"
+
+layout(local_size_x = 64, local_size_x_id = 7) in;
+#include "packet_index.glsl"
+
+void main() {
+  begin_team();
+  const uint first_ray = packet_index() * kTeam * uint(kRaysPerLane);
+  if (first_ray < counters.ray_count) plain_trace_packet(first_ray);
+}
