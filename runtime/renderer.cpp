@@ -17,6 +17,9 @@ namespace zc {
 namespace {
 
 constexpr float kNear_m = 0.1F;
+// Passes in the order that a frame stamps them; mirrors need no filter.
+constexpr std::array kStamped = {Pass::kGbuffer, Pass::kHiz,   Pass::kClassify, Pass::kSsr,
+                                 Pass::kCompact, Pass::kTrace, Pass::kShade,    Pass::kComposite};
 // Of choose_trace_variant.
 constexpr double kRoundMs = 5;
 constexpr int kRounds = 5;
@@ -157,12 +160,15 @@ Result<FrameResult> Renderer::render(const RenderCamera& camera, std::span<const
     record_gbuffer(c, host_draws);
     dispatch_pixels(c, light_, w, h);
     stamp(c, 1);
+  }));
+  // By itself: llvmpipe since Mesa 23 takes timestamps behind draws only once the next pass has run.
+  ZC_TRY(device_.run([&](VkCommandBuffer c) {
     if (hiz) {
       for (std::uint32_t level = 0; level < frame_.size.z; ++level)
         dispatch_pixels(c, reduce_, frame_.hiz_offset[level].y, frame_.hiz_offset[level].z, {level, 0, 0, 0});
     }
     stamp(c, 2);
-    dispatch_pixels(c, classify_, w, h);
+    dispatch_pixels(c, classify_, (w + 7) / 8, (h + 7) / 8);  // a tile an invocation
     dispatch_pixels(c, kernels->size, 1, 1);
     stamp(c, 3);
     if (trace) dispatch_indirect(c, march_, offsetof(gpu::Counters, ssr_groups_x));
@@ -173,19 +179,19 @@ Result<FrameResult> Renderer::render(const RenderCamera& camera, std::span<const
     stamp(c, 6);
     if (trace) dispatch_indirect(c, shade_, offsetof(gpu::Counters, trace_groups_x));
     stamp(c, 7);
-    stamp(c, 8);  // filter: mirrors need none
     dispatch_pixels(c, composite_, w, h);
-    stamp(c, 9);
+    stamp(c, 8);
     record_readback(c);
   }));
 
   FrameResult result;
   result.counters = this->counters();
   if (!trace) result.counters.pixel_count = 0;  // found, but no ray left them
-  std::array<std::uint64_t, kPassCount + 1> ticks{};
+  std::array<std::uint64_t, kStamped.size() + 1> ticks{};
   ZC_TRY(read_stamps(ticks));
-  for (std::size_t i = 0; i < kPassCount; ++i) result.pass_ms[i] = device_.elapsed_ms(ticks[i], ticks[i + 1]);
-  result.total_ms = device_.elapsed_ms(ticks[0], ticks[kPassCount]);
+  for (std::size_t i = 0; i < kStamped.size(); ++i)
+    result.pass_ms[static_cast<std::size_t>(kStamped[i])] = device_.elapsed_ms(ticks[i], ticks[i + 1]);
+  result.total_ms = device_.elapsed_ms(ticks.front(), ticks.back());
   return result;
 }
 

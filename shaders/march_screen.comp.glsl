@@ -146,7 +146,9 @@ void main() {
   } else {
     const float start_m = 1e-3 + 1e-5 * s.distance_m;
     const vec3 origin = s.position + s.normal * start_m;
-    const uint ray = atomicAdd(counters.ray_count, 1u);
+    // Where no ray ends on the screen, the queue is the list of pixels, tile by tile.
+    const uint taken = atomicAdd(counters.ray_count, 1u);
+    const uint ray = kUseScreen != 0u ? taken : i;
     rays[ray] = RayTask(origin.x, origin.y, origin.z, march.t * 0.998, direction.x, direction.y, direction.z, s.leaves);
     hits[ray].pixel = index;
   }
