@@ -8,7 +8,7 @@
 //
 // Rays form groups that leave the same plane, run along the same axis and differ little in direction. What does not pay
 // comes back as a retry for the traversal of single rays: groups that are too small, and groups whose frustum met more than
-// kPacketBudget nodes and batches of triangles. Both traversals find the same triangle, so it does not matter which did.
+// kStepsPerRay nodes and batches of triangles a ray. Both traversals find the same triangle, so it does not matter which did.
 
 // With kAnyHit a ray that has a hit leaves the packet, and the frustum shrinks to those that are left.
 void PAGE_NAME(trace_packet)(uint first_ray) {
@@ -80,7 +80,8 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
     gather_beam(beam);
     const uint group_size = team_sum(size);
 
-    uint steps = group_size < kGroupLeast ? kPacketBudget : 0u;
+    const uint budget = kStepsPerRay * group_size;
+    uint steps = group_size < kGroupLeast ? budget : 0u;
     // The stack lies across the lanes: entry i is lane i % 8's, in its pair i / 8 of registers.
     uvec2 stack[kStackPairs];
     for (uint pair = 0u; pair < kStackPairs; ++pair) stack[pair] = uvec2(0u);
@@ -91,7 +92,7 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
     uint triangle_word = 0u;
     uint cluster_word = 0u;
     // Loops test at their ends: llvmpipe runs through a branch, and once through a loop, with every lane masked off.
-    while (steps < kPacketBudget && !finished) {
+    while (steps < budget && !finished) {
       do {
         if ((group.y >> 24) == 0u) {
           finished = sp == 0u;
@@ -116,7 +117,7 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
         triangle_word = refs.triangle_word;
         cluster_word = refs.cluster_word;
         group = uvec2(refs.child_word, order_slots(met_children & refs.inner, octant) << 24 | refs.inner);
-      } while (triangles == 0u && steps < kPacketBudget);
+      } while (triangles == 0u && steps < budget);
       if (triangles == 0u) break;
 
       const PAGE_NAME(Cluster) cluster = PAGE_NAME(load_cluster)(cluster_word);
