@@ -146,6 +146,7 @@ std::string bake_json(const BakeReport& report) {
   json["peak_rss_bytes"] = report.peak_rss_bytes;
   json["source_triangles"] = report.index.header.source_triangles;
   json["nodes"] = report.index.nodes.size();
+  json["proxies"] = {{"reused", report.proxies_reused}, {"built", report.proxies_built}};
   json["notes"] = nlohmann::ordered_json::array();
   for (const ImportCount& note : report.notes) json["notes"].push_back({{"what", note.what}, {"count", note.count}});
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
@@ -157,7 +158,8 @@ std::uint64_t peak_rss_bytes() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& options, WorldWriter& writer) {
+Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& options, const std::filesystem::path& old,
+                        WorldWriter& writer) {
   Stopwatch all;
   Stopwatch watch;
   Progress progress(options);
@@ -182,8 +184,14 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
 
   progress.begin("simplify", 0.05, 0.85, tree.zones.size());
   const double step_m = std::ldexp(1.0, options.step_log2);
-  const SimplifyContext context = {nullptr, materials, step_m, options.error_m, options.leaf_triangles};
-  ZC_ASSIGN(const ProxyTree proxies, build_proxies(std::move(tree), context, [&] { progress.step(); }));
+  const std::vector<std::uint16_t> looks = look_classes(materials);
+  const SimplifyContext context = {nullptr, materials, looks, step_m, options.error_m, options.leaf_triangles};
+  ProxyCache cache;
+  if (options.reuse) cache.read(old / kProxyCacheName, materials.size());
+  ZC_ASSIGN(const ProxyTree proxies, build_proxies(std::move(tree), context, cache, [&] { progress.step(); }));
+  if (options.reuse) ZC_TRY(writer.write(kProxyCacheName, cache.encode()));
+  report.proxies_reused = cache.found();
+  report.proxies_built = cache.added();
   if (proxies.lost_triangles > 0)
     report.notes.push_back({"triangles without area at their zone's step", proxies.lost_triangles});
   report.seconds.simplify = watch.lap();
@@ -246,7 +254,7 @@ Result<BakeReport> bake_world(Scene&& scene, double import_s, const BakeOptions&
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   tbb::task_arena arena(static_cast<int>(threads));
   std::optional<Result<BakeReport>> report;
-  arena.execute([&] { report.emplace(bake(std::move(scene), import_s, options, writer)); });
+  arena.execute([&] { report.emplace(bake(std::move(scene), import_s, options, out, writer)); });
   if (!report->ok()) return *std::move(report);
   ZC_TRY(writer.commit());
   return *std::move(report);

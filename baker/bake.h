@@ -26,6 +26,7 @@ struct BakeOptions {
   BvhBuildOptions bvh;
   double error_m = 0.05;                // bound of leaf proxies
   std::int32_t step_log2 = kDefaultStepLog2;
+  bool reuse = true;  // proxies of the world that is replaced, where what they were made of is the same; keeps them too
   // Called from any thread, one call at a time; fraction in 0..1.
   std::function<void(double fraction, std::string_view stage)> progress;
 };
@@ -45,6 +46,8 @@ struct BakeReport {
   WorldIndex index;
   BakeSeconds seconds;
   std::vector<ImportCount> notes;
+  std::uint64_t proxies_reused = 0;
+  std::uint64_t proxies_built = 0;
   std::uint64_t peak_rss_bytes = 0;  // of the process
 };
 

@@ -171,7 +171,7 @@ std::vector<std::uint16_t> look_classes(std::span<const Material> materials) {
 }
 
 SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurface> detail,
-                           std::span<const Material> materials, double step_m) {
+                           std::span<const Material> materials, std::span<const std::uint16_t> looks, double step_m) {
   std::vector<Sample> from_proxy;
   add_area_samples(proxy, area_of(proxy), sample_count(proxy.faces.size()), from_proxy);
   add_vertex_samples(proxy, kVerticesMax, from_proxy);
@@ -202,7 +202,6 @@ SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurfa
   const DetailSurface proxy_surface = {&proxy, &proxy_bvh};
   Sums sums;
   const std::span<const DetailSurface> proxy_side(&proxy_surface, 1);
-  const std::vector<std::uint16_t> looks = look_classes(materials);
   compare(from_proxy, proxy_side, detail, materials, looks, sums);
   compare(from_detail, detail, proxy_side, materials, looks, sums);
   SurfaceError error;

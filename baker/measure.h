@@ -32,7 +32,8 @@ struct DetailSurface {
 // Class of each material: materials of one class are hard to tell apart.
 std::vector<std::uint16_t> look_classes(std::span<const Material> materials);
 
+// looks: look_classes(materials).
 SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurface> detail,
-                           std::span<const Material> materials, double step_m);
+                           std::span<const Material> materials, std::span<const std::uint16_t> looks, double step_m);
 
 }  // namespace zc

@@ -3,6 +3,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -10,17 +11,18 @@ namespace zc {
 namespace {
 
 struct ZoneState {
-  Proxy detail;                       // of a leaf: rounded
-  DistanceBvh bvh;                    // of a leaf: over the unrounded detail
-  std::optional<Proxy> proxy;         // none: not stored
+  ProxyKey key = {};           // of the proxy
+  Proxy detail;                // of a leaf: rounded
+  DistanceBvh bvh;             // of a leaf: over the unrounded detail; empty until something is measured against it
+  std::optional<Proxy> proxy;  // none: not stored
   std::vector<std::uint32_t> below;   // stored zones that attach here, or pass through when this one is not stored
   std::vector<std::uint32_t> leaves;  // stored leaves in this zone
 };
 
 class Builder {
  public:
-  Builder(ZoneTree&& tree, const SimplifyContext& context, const std::function<void()>& done)
-      : tree_(std::move(tree)), context_(context), done_(done), states_(tree_.zones.size()) {}
+  Builder(ZoneTree&& tree, const SimplifyContext& context, ProxyCache& cache, const std::function<void()>& done)
+      : tree_(std::move(tree)), context_(context), cache_(cache), done_(done), states_(tree_.zones.size()) {}
 
   Result<ProxyTree> run() {
     std::uint32_t deepest = 0;
@@ -57,9 +59,20 @@ class Builder {
     ZoneState& state = states_[i];
     state.detail = round_detail(zone.detail);
     if (state.detail.mesh.faces.empty()) return;
-    state.bvh = DistanceBvh(zone.detail);
-    state.proxy = simplify_leaf(context_, zone, state.detail, {&zone.detail, &state.bvh});
     state.leaves = {static_cast<std::uint32_t>(i)};
+    state.key = leaf_key(context_, zone);
+    if (auto known = cache_.find(state.key); known && *known) {
+      state.proxy = *std::move(known);
+      return;
+    }
+    state.proxy = simplify_leaf(context_, zone, state.detail, detail_surface(i));
+    cache_.add(state.key, state.proxy);
+  }
+
+  // One caller at a time for a leaf: inner zones of one depth have none in common.
+  DetailSurface detail_surface(std::size_t leaf) {
+    if (states_[leaf].bvh.empty()) states_[leaf].bvh = DistanceBvh(tree_.zones[leaf].detail);
+    return {&tree_.zones[leaf].detail, &states_[leaf].bvh};
   }
 
   void build_inner(std::size_t i) {
@@ -77,9 +90,26 @@ class Builder {
     if (state.below.empty()) return;
     std::vector<const Proxy*> children;
     for (const std::uint32_t child : state.below) children.push_back(&*states_[child].proxy);
+    std::vector<ProxyKey> child_keys;
+    for (const std::uint32_t child : state.below) child_keys.push_back(states_[child].key);
+    std::vector<ProxyKey> leaf_keys;
+    for (const std::uint32_t leaf : state.leaves) leaf_keys.push_back(states_[leaf].key);
+    state.key = inner_key(context_, zone, child_keys, leaf_keys);
+    if (auto known = cache_.find(state.key); known && may_stand_above(*known, children)) {
+      state.proxy = *std::move(known);
+      return;
+    }
     std::vector<DetailSurface> detail;
-    for (const std::uint32_t leaf : state.leaves) detail.push_back({&tree_.zones[leaf].detail, &states_[leaf].bvh});
+    for (const std::uint32_t leaf : state.leaves) detail.push_back(detail_surface(leaf));
     state.proxy = simplify_inner(context_, zone, children, detail);
+    cache_.add(state.key, state.proxy);
+  }
+
+  // Refinement never raises the promised error, whatever a cache says.
+  static bool may_stand_above(const std::optional<Proxy>& proxy, std::span<const Proxy* const> children) {
+    return !proxy || std::ranges::all_of(children, [&](const Proxy* child) {
+      return child->error.max_m <= proxy->error.max_m && child->error.appearance_m <= proxy->error.appearance_m;
+    });
   }
 
   ProxyTree collect() {
@@ -107,7 +137,7 @@ class Builder {
       }
     }
     for (std::size_t i = 0; i < tree_.zones.size(); ++i)
-      if (tree_.zones[i].children.empty() && states_[i].bvh.empty())
+      if (tree_.zones[i].children.empty() && states_[i].leaves.empty())
         out.lost_triangles += tree_.zones[i].detail.faces.size();
     // Moved last: children were looked at through their zones until here.
     for (std::size_t i = 0; i < out.nodes.size(); ++i)
@@ -126,17 +156,19 @@ class Builder {
 
   ZoneTree tree_;
   const SimplifyContext& context_;
+  ProxyCache& cache_;
   const std::function<void()>& done_;
   std::vector<ZoneState> states_;
 };
 
 }  // namespace
 
-Result<ProxyTree> build_proxies(ZoneTree&& tree, const SimplifyContext& context, const std::function<void()>& done) {
+Result<ProxyTree> build_proxies(ZoneTree&& tree, const SimplifyContext& context, ProxyCache& cache,
+                                const std::function<void()>& done) {
   SimplifyContext own = context;
   const CellGrid grid = tree.grid;
   own.grid = &grid;
-  return Builder(std::move(tree), own, done).run();
+  return Builder(std::move(tree), own, cache, done).run();
 }
 
 }  // namespace zc

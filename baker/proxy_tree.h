@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "baker/cut.h"
+#include "baker/proxy_cache.h"
 #include "baker/simplify.h"
 #include "base/result.h"
 
@@ -31,6 +32,8 @@ struct ProxyTree {
 };
 
 // `done` is called once per zone, from any thread. Fails when nothing survives.
-Result<ProxyTree> build_proxies(ZoneTree&& tree, const SimplifyContext& context, const std::function<void()>& done);
+// What the cache knows is taken from it, what it does not is added.
+Result<ProxyTree> build_proxies(ZoneTree&& tree, const SimplifyContext& context, ProxyCache& cache,
+                                const std::function<void()>& done);
 
 }  // namespace zc

@@ -91,7 +91,7 @@ Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Prox
     out.step_shift = step_shift_for_box(bounds_of(out.mesh));
     round_to_step(out.mesh, out.step_shift);
     if (out.mesh.faces.empty()) break;
-    out.error = measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.step_m);
+    out.error = measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.looks, context.step_m);
     done = out.error.max_m <= context.error_m;
   }
   const bool needs_force = zone.parent < 0 && (done ? out : rounded).mesh.faces.size() > context.leaf_triangles;
@@ -104,7 +104,7 @@ Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Prox
     out.step_shift = step_shift_for_box(bounds_of(out.mesh));
     round_to_step(out.mesh, out.step_shift);
   }
-  out.error = measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.step_m);
+  out.error = measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.looks, context.step_m);
   return out;
 }
 
@@ -148,7 +148,7 @@ std::optional<Proxy> simplify_inner(const SimplifyContext& context, const Zone& 
   out.step_shift = step_shift_for_box(bounds_of(out.mesh));
   round_to_step(out.mesh, out.step_shift);
   if (out.mesh.faces.empty()) return std::nullopt;
-  out.error = measure_proxy(out.mesh, detail, context.materials, context.step_m);
+  out.error = measure_proxy(out.mesh, detail, context.materials, context.looks, context.step_m);
   // Refinement must never raise the promised error.
   out.error.max_m = std::max(out.error.max_m, child_error_m);
   out.error.appearance_m = std::max(out.error.appearance_m, child_appearance_m);

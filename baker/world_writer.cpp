@@ -21,7 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // All that a bake writes at the top of a world.
-constexpr std::array<std::string_view, 4> kWorldEntries = {kWorldIndexName, "tileset.json", "bake.json", "zones"};
+constexpr std::array<std::string_view, 5> kWorldEntries = {kWorldIndexName, "tileset.json", "bake.json", "bake.cache",
+                                                           "zones"};
 
 Error io_error(const fs::path& path, const std::string& what, const std::error_code& code) {
   return {ErrorCode::kIo, what + ": " + code.message(), path.string()};

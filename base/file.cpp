@@ -32,6 +32,22 @@ class Descriptor {
   int fd_;
 };
 
+// path: the name that errors speak of.
+Status write_bytes(const std::filesystem::path& at, int flags, const std::filesystem::path& path,
+                   std::span<const std::byte> bytes) {
+  Descriptor file(::open(at.c_str(), O_WRONLY | O_CLOEXEC | flags, 0644));
+  if (file.get() < 0) return io_error(path, "cannot create");
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t put = ::write(file.get(), bytes.data() + done, bytes.size() - done);
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) return io_error(path, "cannot write");
+    done += static_cast<std::size_t>(put);
+  }
+  if (!file.finish()) return io_error(path, "cannot write");
+  return {};
+}
+
 }  // namespace
 
 Result<std::uint64_t> file_size_bytes(const std::filesystem::path& path) {
@@ -69,29 +85,22 @@ Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, std:
 }
 
 Status write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-  std::filesystem::path temporary = path;
-  temporary += ".tmp" + std::to_string(::getpid());
-  {
-    Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-    if (file.get() < 0) return io_error(path, "cannot create");
-    std::size_t done = 0;
-    while (done < bytes.size()) {
-      const ssize_t put = ::write(file.get(), bytes.data() + done, bytes.size() - done);
-      if (put < 0 && errno == EINTR) continue;
-      if (put < 0) {
-        Error error = io_error(path, "cannot write");
-        ::unlink(temporary.c_str());
-        return error;
-      }
-      done += static_cast<std::size_t>(put);
-    }
-    if (!file.finish()) {
-      Error error = io_error(path, "cannot write");
-      ::unlink(temporary.c_str());
-      return error;
-    }
+  std::error_code failure;
+  const std::filesystem::file_status status = std::filesystem::status(path, failure);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    return write_bytes(path, 0, path, bytes);  // a pipe or a device stays what it is; a folder cannot be opened so
   }
-  if (::rename(temporary.c_str(), path.c_str()) != 0) {
+  // What a link leads to is replaced, not the link.
+  std::filesystem::path target = path;
+  for (int links = 0; links < 40 && std::filesystem::is_symlink(target, failure); ++links)
+    target = target.parent_path() / std::filesystem::read_symlink(target, failure);
+  std::filesystem::path temporary = target;
+  temporary += ".tmp" + std::to_string(::getpid());
+  if (Status written = write_bytes(temporary, O_CREAT | O_TRUNC, path, bytes); !written.ok()) {
+    ::unlink(temporary.c_str());
+    return written;
+  }
+  if (::rename(temporary.c_str(), target.c_str()) != 0) {
     Error error = io_error(path, "cannot rename into place");
     ::unlink(temporary.c_str());
     return error;

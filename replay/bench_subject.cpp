@@ -48,7 +48,8 @@ struct RawTriangles {
 
 Result<RawTriangles> read_triangles(const std::string& file, const glm::dvec3& offset_m) {
   ZC_ASSIGN(const RawRecords records, read_raw_records(file, 9));
-  if (records.values.empty()) return Error{ErrorCode::kFormat, "holds no triangle", file};
+  if (records.values.empty())
+    return Error{ErrorCode::kFormat, std::string("holds no triangle") + (records.dropped == 0 ? "" : " of numbers within 1.8e18"), file};
   if (records.dropped > 0)
     spdlog::warn("{}: {} triangles with values that are no numbers or beyond 1.8e18, dropped", file, records.dropped);
   RawTriangles raw;

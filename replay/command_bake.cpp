@@ -43,7 +43,7 @@ Status run(const Arguments& arguments) {
   for (const NodeRecord& node : report.index.nodes) zones += node.is_detail() ? 1 : 0;
   for (const ImportCount& note : report.notes) spdlog::info("{}: {}", note.what, note.count);
   std::cout << arguments.out << ": " << report.index.header.source_triangles << " triangles in " << zones << " zones, "
-            << report.index.nodes.size() << " nodes, " << std::fixed << std::setprecision(1) << report.seconds.total
+            << report.index.nodes.size() << " nodes (" << report.proxies_reused << " proxies as before), " << std::fixed << std::setprecision(1) << report.seconds.total
             << " s, peak memory " << format_bytes(report.peak_rss_bytes) << '\n';
   return {};
 }
@@ -60,6 +60,8 @@ void add_bake(CLI::App& app, const SetCommand& set) {
       ->add_option("--error", arguments->options.error_m, "Bound on the surface error of the finest proxies, in metres")
       ->capture_default_str()
       ->check(CLI::Range(0.001, 100.0));
+  command->add_flag("!--from-scratch", arguments->options.reuse,
+                    "Reuse nothing of the old world, and keep nothing (bake.cache) for the next bake");
   add_bvh_option(*command, arguments->options.bvh.method, "How BVHs are built; auto: the cheapest on simulated rays");
   command->add_option("--leaf-triangles", arguments->options.leaf_triangles, "Triangles at which a zone is split")
       ->capture_default_str()

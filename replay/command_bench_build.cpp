@@ -247,20 +247,7 @@ Status run(const Arguments& a) {
     return Error{ErrorCode::kArgument, "--thesis makes its own scene; leave out the world and --triangles"};
   if (!a.subject.world.empty() && !a.subject.triangles.empty())
     return Error{ErrorCode::kArgument, "a world and --triangles: one of them names the scene"};
-  bench::SubjectOptions source = a.subject;
-  if (a.thesis) {
-    source.size_km = 3;
-    source.leaf_triangles = 8000;
-  }
-  ZC_ASSIGN(bench::Subject subject, bench::open_subject(source));
-  if (a.thesis) {
-    ZC_ASSIGN(subject.scene, thesis_scene(std::move(subject.scene)));
-  }
-  std::vector<Zone> zones(subject.scene.zones.size());
-  bench::parallel_chunks<1>(zones.size(), a.options.threads, [&](std::size_t i, std::size_t /*end*/) {
-    zones[i] = make_zone(subject.scene, subject.scene.zones[i]);
-  });
-
+  std::vector<Zone> zones;  // which the builders look at
   std::vector<TreeBuilder> builders;
   for (const BvhMethodName& method : bvh_methods()) builders.push_back(make_own(method.name, method.method, zones));
   const auto embree = bench::make_embree_builder(a.options.threads);
@@ -272,6 +259,21 @@ Status run(const Arguments& a) {
         make_peer("embree/" + std::string(name), {quality, gpu::kNodeWidth, kLeaf}, embree.get(), zones));
   for (const auto& [name, quality] : kQualities)
     builders.push_back(make_peer("embree/" + std::string(name) + "+collapse", {quality, 2, 1}, embree.get(), zones));
+  ZC_TRY(bench::check_builders(builders, a.options.engines));
+
+  bench::SubjectOptions source = a.subject;
+  if (a.thesis) {
+    source.size_km = 3;
+    source.leaf_triangles = 8000;
+  }
+  ZC_ASSIGN(bench::Subject subject, bench::open_subject(source));
+  if (a.thesis) {
+    ZC_ASSIGN(subject.scene, thesis_scene(std::move(subject.scene)));
+  }
+  zones.resize(subject.scene.zones.size());
+  bench::parallel_chunks<1>(zones.size(), a.options.threads, [&](std::size_t i, std::size_t /*end*/) {
+    zones[i] = make_zone(subject.scene, subject.scene.zones[i]);
+  });
 
   bench::BuildBenchOptions options = a.options;
   std::optional<Progress> progress(std::in_place);

@@ -41,7 +41,11 @@ int run(int argc, char** argv) {
     return 2;
   }
   const zc::Status status = command();
-  if (status.ok()) return 0;
+  if (status.ok()) {
+    if (std::cout.flush()) return 0;
+    std::cerr << "zonecast: standard output: cannot be written\n";
+    return 1;
+  }
   std::cerr << "zonecast: " << one_line(status.error().describe()) << '\n';
   return status.error().code == zc::ErrorCode::kArgument ? 2 : 1;
 }

@@ -63,7 +63,7 @@ struct ReplayReport {
   std::vector<std::string> left_out;
   std::string device, driver;
   std::string trace_variant;         // the kernels that the last frame was traced by; empty without pictures
-  std::string trace_variant_origin;  // fixed, cached, measured; default: no frame queued rays enough to measure
+  std::string trace_variant_origin;  // fixed, cached, measured; default: nothing was
   double measure_ms = 0;             // that the self-measurement took, if there was one
   std::uint64_t validation_messages = 0;
 };

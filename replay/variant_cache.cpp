@@ -38,10 +38,17 @@ Json read_entries(const std::filesystem::path& file) {
   return std::move(json["entries"]);
 }
 
+// What write_cached_variant writes: strings alone, so that nothing in a foreign entry is kept that could be of any depth.
+bool is_entry(const Json& entry) {
+  if (!entry.is_object() || entry.size() != 5) return false;
+  for (const char* name : {"device", "driver", "zonecast", "page", "variant"})
+    if (!entry.contains(name) || !entry[name].is_string()) return false;
+  return true;
+}
+
 bool agrees(const Json& entry, const Json& wanted) {
-  if (!entry.is_object()) return false;
   for (const auto& [name, value] : wanted.items())
-    if (!entry.contains(name) || entry[name] != value) return false;
+    if (entry[name] != value) return false;
   return true;
 }
 
@@ -59,8 +66,9 @@ std::filesystem::path variant_cache_file() {
 std::optional<TraceVariant> read_cached_variant(const std::filesystem::path& file, const VariantKey& key) {
   const Json wanted = entry_of(key);
   for (const Json& entry : read_entries(file)) {
-    if (!agrees(entry, wanted) || !entry.contains("variant") || !entry["variant"].is_string()) continue;
-    return parse_trace_variant(entry["variant"].get_ref<const std::string&>());
+    if (!is_entry(entry) || !agrees(entry, wanted)) continue;
+    const auto variant = parse_trace_variant(entry["variant"].get_ref<const std::string&>());
+    if (variant) return variant;
   }
   return std::nullopt;
 }
@@ -70,7 +78,7 @@ Status write_cached_variant(const std::filesystem::path& file, const VariantKey&
   fresh["variant"] = trace_variant_name(variant);
   Json entries = Json::array({std::move(fresh)});
   for (Json& entry : read_entries(file))
-    if (!agrees(entry, Json{{"device", key.device}}) && entries.size() < kEntryLimit)
+    if (is_entry(entry) && entry["device"] != key.device && entries.size() < kEntryLimit)
       entries.push_back(std::move(entry));
   std::error_code failure;
   std::filesystem::create_directories(file.parent_path(), failure);

@@ -298,12 +298,8 @@ Status Renderer::thin_queue(std::uint32_t ray_count, std::uint32_t runs) {
   });
 }
 
-Status Renderer::choose_trace_variant(std::uint32_t ray_count, bool host, double budget_ms) {
+Result<bool> Renderer::choose_trace_variant(std::uint32_t ray_count, bool host, double budget_ms) {
   ZC_CHECK(ray_count >= kRaysToChoose);
-  const auto start = std::chrono::steady_clock::now();
-  const auto elapsed_ms = [&] {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  };
   // Of slow devices only as many rays as the kernels in use trace in kRoundMs.
   ZC_ASSIGN(const TraceKernels* used, kernels({.host = host}));
   ZC_ASSIGN(const double whole_ms, trace_queue(*used, ray_count));
@@ -311,6 +307,11 @@ Status Renderer::choose_trace_variant(std::uint32_t ray_count, bool host, double
   const auto rays =
       static_cast<std::uint32_t>(std::clamp<double>(in_round, kRaysToChoose, std::min(ray_count, kRaysAtMost)));
   if (rays < ray_count) ZC_TRY(thin_queue(ray_count, rays / kRun));
+  const auto start = std::chrono::steady_clock::now();
+  const auto elapsed_ms = [&] {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  };
+  bool complete = true;
 
   std::vector<std::pair<TraceVariant, TraceKernels>> made;
   std::optional<TraceKernels>& in_use = host ? kernels_host_ : kernels_proxies_;
@@ -326,7 +327,10 @@ Status Renderer::choose_trace_variant(std::uint32_t ray_count, bool host, double
   };
   const auto measure = [&](std::span<const TraceVariant> variants) -> Result<std::vector<double>> {
     std::vector<double> best_ms;
-    if (elapsed_ms() > budget_ms) return best_ms;
+    if (elapsed_ms() > budget_ms) {
+      complete = false;
+      return best_ms;
+    }
     std::vector<std::size_t> places;
     for (const TraceVariant& variant : variants) {
       ZC_ASSIGN(const std::size_t place, make(variant));
@@ -355,7 +359,7 @@ Status Renderer::choose_trace_variant(std::uint32_t ray_count, bool host, double
   }
   ZC_ASSIGN(const std::size_t place, make(chosen));
   in_use = std::move(made[place].second);
-  return {};
+  return complete;
 }
 
 Result<std::vector<TracedHit>> Renderer::trace(const RenderCamera& camera, std::span<const gpu::RayTask> rays,

@@ -115,9 +115,9 @@ class Renderer {
   // The kernels in use.
   [[nodiscard]] const TraceVariant& trace_variant() const { return options_.trace; }
   // Measures kernels on the rays that the last render() or trace() queued, `ray_count` of them and at least
-  // kRaysToChoose, and goes on with the fastest. What has not begun after budget_ms is not measured. The queue, hits
-  // and counters are of no use afterwards.
-  Status choose_trace_variant(std::uint32_t ray_count, bool host, double budget_ms = INFINITY);
+  // kRaysToChoose, and goes on with the fastest. What has not begun after budget_ms is not measured: false. The queue,
+  // hits and counters are of no use afterwards.
+  Result<bool> choose_trace_variant(std::uint32_t ray_count, bool host, double budget_ms = INFINITY);
 
  private:
   Renderer(Device& device, const ZoneSet& proxies, const ZoneSet& host, const RendererOptions& options)

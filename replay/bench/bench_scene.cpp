@@ -116,9 +116,9 @@ Result<RawRecords> read_raw_records(const std::filesystem::path& file, std::size
   const std::size_t record_bytes = width * sizeof(float);
   ZC_ASSIGN(const std::uint64_t bytes, file_size_bytes(file));
   if (bytes % record_bytes != 0)
-    return Error{ErrorCode::kFormat, "its " + std::to_string(bytes) + " bytes are no multiple of " +
-                                         std::to_string(record_bytes) + " (" + std::to_string(width) +
-                                         " floats a record)",
+    return Error{ErrorCode::kFormat,
+                 "its " + std::to_string(bytes) + " bytes are no multiple of " + std::to_string(record_bytes) + " (" +
+                     std::to_string(width) + " floats a record)",
                  file.string()};
   ZC_ASSIGN(const std::vector<std::byte> data, read_file(file, kLargestRawFile));
   RawRecords records;
@@ -148,12 +148,17 @@ Result<RaySet> read_rays(const std::filesystem::path& file, const glm::dvec3& or
     const glm::dvec3 direction(v[3], v[4], v[5]);
     const double length = glm::length(direction);
     if (length == 0)
-      return Error{ErrorCode::kFormat, "ray " + std::to_string(at / 6) + " has a direction of zero", file.string()};
+      return Error{ErrorCode::kFormat,
+                   "ray " + std::to_string(at / 6) + " has a direction of zero" +
+                       (set.dropped == 0 ? "" : ", counted without the " + std::to_string(set.dropped) + " dropped"),
+                   file.string()};
     const glm::vec3 o(origin);
     const glm::vec3 d(direction / length);
     set.rays.push_back({o.x, o.y, o.z, d.x, d.y, d.z});
   }
-  if (set.rays.empty()) return Error{ErrorCode::kFormat, "holds no ray", file.string()};
+  if (set.rays.empty())
+    return Error{ErrorCode::kFormat,
+                 std::string("holds no ray") + (set.dropped == 0 ? "" : " of numbers within 1.8e18"), file.string()};
   return set;
 }
 

@@ -12,17 +12,11 @@
 namespace zc::bench {
 namespace {
 
-Result<std::vector<const TreeBuilder*>> choose(const std::vector<TreeBuilder>& builders,
-                                               const BuildBenchOptions& options, std::vector<std::string>& left_out) {
+std::vector<const TreeBuilder*> choose(const std::vector<TreeBuilder>& builders, const BuildBenchOptions& options,
+                                       std::vector<std::string>& left_out) {
   std::vector<const TreeBuilder*> chosen;
   for (const std::string& name : options.engines) {
     const auto found = std::ranges::find(builders, name, &TreeBuilder::name);
-    if (found == builders.end()) {
-      std::string known;
-      for (const TreeBuilder& builder : builders) known += (known.empty() ? "" : ", ") + builder.name;
-      return Error{ErrorCode::kArgument, "no engine is called '" + name + "' (known: " + known + ")"};
-    }
-    if (!found->build) return Error{ErrorCode::kDevice, name + ": " + found->missing};
     if (std::ranges::find(chosen, &*found) == chosen.end()) chosen.push_back(&*found);
   }
   if (!options.engines.empty()) return chosen;
@@ -105,6 +99,19 @@ Rates rates_of(const BuildBenchReport& report, const BuildRow& row) {
 
 }  // namespace
 
+Status check_builders(const std::vector<TreeBuilder>& builders, const std::vector<std::string>& engines) {
+  for (const std::string& name : engines) {
+    const auto found = std::ranges::find(builders, name, &TreeBuilder::name);
+    if (found == builders.end()) {
+      std::string known;
+      for (const TreeBuilder& builder : builders) known += (known.empty() ? "" : ", ") + builder.name;
+      return Error{ErrorCode::kArgument, "no engine is called '" + name + "' (known: " + known + ")"};
+    }
+    if (!found->build) return Error{ErrorCode::kDevice, name + ": " + found->missing};
+  }
+  return {};
+}
+
 Result<BuildBenchReport> run_build_bench(std::string scene, std::uint64_t triangles, std::size_t zones,
                                          const std::vector<TreeBuilder>& builders, const BuildBenchOptions& options) {
   BuildBenchReport report;
@@ -112,17 +119,25 @@ Result<BuildBenchReport> run_build_bench(std::string scene, std::uint64_t triang
   report.triangles = triangles;
   report.zones = zones;
   report.threads = options.threads;
-  ZC_ASSIGN(const std::vector<const TreeBuilder*> chosen, choose(builders, options, report.left_out));
+  ZC_TRY(check_builders(builders, options.engines));
+  std::vector<const TreeBuilder*> chosen;
+  const std::vector<const TreeBuilder*> wanted = choose(builders, options, report.left_out);
   double done = 0;
   const auto show = [&](std::string_view stage) {
-    if (options.progress) options.progress(done / static_cast<double>(chosen.size() * (options.repeat + 1)), stage);
+    if (options.progress) options.progress(done / static_cast<double>(wanted.size() * (options.repeat + 1)), stage);
     ++done;
   };
-  for (const TreeBuilder* builder : chosen) {  // this build warms up and is not timed
+  for (const TreeBuilder* builder : wanted) {  // this build warms up and is not timed
     show(builder->name);
     ZC_ASSIGN(const Built built, build_all(*builder, zones, options.threads));
     Result<TreeFigures> sum = look_at_all(built, options.threads);
-    if (!sum) return Error{sum.error().code, builder->name + ": " + sum.error().message};
+    if (!sum) {
+      const std::string cause = builder->name + ": " + sum.error().message;
+      if (!options.engines.empty()) return Error{sum.error().code, cause};
+      report.left_out.push_back(cause);
+      continue;
+    }
+    chosen.push_back(builder);
     report.rows.push_back({builder->name, 0, 0, 0, *sum});
   }
   // In turn, so that whatever else the machine does hits all alike.

@@ -61,6 +61,10 @@ struct BuildBenchReport {
   std::vector<std::string> left_out;  // "engine: why"
 };
 
+// OK, or an error that names the engine that is unknown or missing here.
+Status check_builders(const std::vector<TreeBuilder>& builders, const std::vector<std::string>& engines);
+
+// An engine whose trees a page cannot hold is left out, unless it was asked for by name.
 Result<BuildBenchReport> run_build_bench(std::string scene, std::uint64_t triangles, std::size_t zones,
                                          const std::vector<TreeBuilder>& builders, const BuildBenchOptions& options);
 

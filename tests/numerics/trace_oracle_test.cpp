@@ -209,7 +209,7 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
                 milliseconds, world.device().name().c_str());
   }
   // And so does the one that is measured to be the fastest.
-  const Status chosen = world.renderer().choose_trace_variant(kRays, false);
+  const Result<bool> chosen = world.renderer().choose_trace_variant(kRays, false);
   ASSERT_TRUE(chosen.ok()) << chosen.error().describe();
   const auto hits = world.renderer().trace(camera, rays);
   ASSERT_TRUE(hits.ok()) << hits.error().describe();

@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "baker/proxy_cache.h"
 #include "base/file.h"
 #include "streamer/world_format/bvh_page.h"
 #include "tests/unit/baker/test_city.h"
@@ -85,6 +88,98 @@ TEST_F(Bake, TheSameSceneGivesTheSameBytesAtAnyThreadCount) {
     const std::string name = std::to_string(threads);
     ASSERT_TRUE(bake(test::small_city(), name.c_str(), threads).ok());
     EXPECT_TRUE(read_world(folder_ / name) == one) << threads << " threads";
+  }
+}
+
+// Raises the roof of one house: its triangles' upper points.
+Scene with_one_house_raised() {
+  Scene scene = test::small_city();
+  const SceneObject& house = scene.objects[1 + 5 * 12 + 3];  // the ground is the first
+  double top = -1e9;
+  for (std::uint32_t t = house.first_triangle; t < house.first_triangle + house.triangle_count; ++t)
+    for (const std::uint32_t v : scene.triangles[t]) top = std::max(top, scene.positions[v].z);
+  for (std::uint32_t t = house.first_triangle; t < house.first_triangle + house.triangle_count; ++t)
+    for (const std::uint32_t v : scene.triangles[t])
+      if (scene.positions[v].z == top) scene.positions[v].z += 0.5;
+  return scene;
+}
+
+TEST_F(Bake, ABakeAgainBuildsOnlyWhatAChangeTouchesAndGivesTheBytesOfABakeFromNothing) {
+  const auto first = bake(test::small_city(), "world");
+  ASSERT_TRUE(first.ok());
+  EXPECT_EQ(first->proxies_reused, 0U);
+  const auto before = read_world(folder_ / "world");
+
+  const auto again = bake(test::small_city(), "world");
+  ASSERT_TRUE(again.ok());
+  EXPECT_EQ(again->proxies_built, 0U);
+  EXPECT_EQ(again->proxies_reused, first->proxies_built);
+  EXPECT_TRUE(read_world(folder_ / "world") == before);
+
+  const auto changed = bake(with_one_house_raised(), "world", 1);
+  ASSERT_TRUE(changed.ok());
+  // The house's leaf and those above it, of which there are at most as many as levels.
+  std::uint32_t levels = 0;
+  for (const NodeRecord& node : changed->index.nodes) levels = std::max(levels, node.depth + 1U);
+  EXPECT_GE(changed->proxies_built, 1U);
+  EXPECT_LE(changed->proxies_built, levels);
+  EXPECT_GT(changed->proxies_reused, changed->proxies_built);
+  ASSERT_TRUE(bake(with_one_house_raised(), "from_nothing").ok());
+  EXPECT_TRUE(read_world(folder_ / "world") == read_world(folder_ / "from_nothing"));
+  EXPECT_FALSE(read_world(folder_ / "world") == before);
+}
+
+TEST_F(Bake, AMaterialThatChangesIsSeenByTheZonesThatHaveIt) {
+  ASSERT_TRUE(bake(test::small_city(), "world").ok());
+  Scene scene = test::small_city();
+  scene.materials[2].base_color.g = 0.9F;  // grass, in every zone
+  const auto changed = bake(std::move(scene), "world");
+  ASSERT_TRUE(changed.ok());
+  EXPECT_EQ(changed->proxies_reused, 0U);
+  scene = test::small_city();
+  scene.materials[2].base_color.g = 0.9F;
+  scene.materials.push_back({"new", {0, 0, 1}, 0.1F, 0});  // behind the others, of no triangle
+  const auto longer = bake(std::move(scene), "world");
+  ASSERT_TRUE(longer.ok());
+  EXPECT_EQ(longer->proxies_built, 0U);
+}
+
+TEST_F(Bake, ADamagedCacheIsAsGoodAsNone) {
+  ASSERT_TRUE(bake(test::small_city(), "world").ok());
+  const auto sound = read_world(folder_ / "world");
+  const std::vector<std::byte>& bytes = sound.at(kProxyCacheName);
+  std::vector<std::vector<std::byte>> damaged = {
+      {}, {bytes.begin(), bytes.begin() + 7}, {bytes.begin(), bytes.end() - 1}};
+  for (const std::size_t at : {std::size_t{0}, std::size_t{4}, std::size_t{20}, std::size_t{40}, bytes.size() / 2}) {
+    damaged.push_back(bytes);
+    damaged.back()[at] ^= std::byte{0x10};
+  }
+  for (const auto& file : damaged) {
+    ASSERT_TRUE(write_file(folder_ / "world" / kProxyCacheName, file).ok());
+    const auto report = bake(test::small_city(), "world");
+    ASSERT_TRUE(report.ok());
+    EXPECT_EQ(report->proxies_reused, 0U);
+    EXPECT_TRUE(read_world(folder_ / "world") == sound);
+  }
+}
+
+// As above, by who knows the checksum: what an entry says is held against what a proxy can be.
+TEST_F(Bake, ACacheThatSaysNonsenseUnderAGoodChecksumNeverBreaksAWorld) {
+  ASSERT_TRUE(bake(test::small_city(), "world").ok());
+  const auto sound = read_world(folder_ / "world");
+  constexpr std::size_t kHeader = 24;
+  std::uint32_t seed = 9;
+  for (int round = 0; round < 6; ++round) {
+    std::vector<std::byte> bytes = sound.at(kProxyCacheName);
+    for (int flips = 0; flips < 30; ++flips) {
+      seed = seed * 1664525U + 1013904223U;
+      bytes[kHeader + (seed >> 4U) % (bytes.size() - kHeader)] ^= std::byte(1U << (seed % 8U));
+    }
+    const std::uint64_t hash = XXH3_64bits(bytes.data() + kHeader, bytes.size() - kHeader);
+    std::memcpy(bytes.data() + 16, &hash, sizeof hash);
+    ASSERT_TRUE(write_file(folder_ / "world" / kProxyCacheName, bytes).ok());
+    const auto report = bake(test::small_city(), "world");
+    if (report.ok()) expect_sound(folder_ / "world");
   }
 }
 
@@ -186,10 +281,10 @@ TEST_F(Bake, AnOldWorldIsReplacedWholeAndOtherFoldersAreLeftAlone) {
   single.triangle({0, 0, 0}, {3, 0, 0}, {0, 2, 1}, 0);
   single.object(ObjectKind::kObject);
   ASSERT_TRUE(bake(single.scene, "world").ok());
-  EXPECT_EQ(read_world(folder_ / "world").size(), 2U + 4U);
+  EXPECT_EQ(read_world(folder_ / "world").size(), 3U + 4U);
   // A failing bake leaves the world.
   EXPECT_FALSE(bake(Scene{}, "world").ok());
-  EXPECT_EQ(read_world(folder_ / "world").size(), 2U + 4U);
+  EXPECT_EQ(read_world(folder_ / "world").size(), 3U + 4U);
 
   fs::create_directories(folder_ / "photos");
   std::ofstream(folder_ / "photos" / "a.jpg") << "x";

@@ -88,7 +88,7 @@ TEST(Measure, AKnownOffsetIsFoundBothWays) {
   const DistanceBvh bvh(detail);
   const DetailSurface surface = {&detail, &bvh};
   const std::vector<Material> materials = {{"a", {0, 0, 0}}, {"b", {0.5F, 0.5F, 0.5F}}};
-  const SurfaceError error = measure_proxy(proxy, std::span(&surface, 1), materials, 1.0 / 256);
+  const SurfaceError error = measure_proxy(proxy, std::span(&surface, 1), materials, look_classes(materials), 1.0 / 256);
   EXPECT_DOUBLE_EQ(error.max_m, 0.5);  // only the detail's upper sheet sees it
   EXPECT_NEAR(error.mean_m, 0.125, 1e-3);
   EXPECT_NEAR(error.color_error, 0.5, 1e-6);
@@ -142,8 +142,9 @@ TEST(Simplify, ALeafKeepsItsErrorBound) {
   ASSERT_EQ(tree.zones.size(), 1U);
   const LatticeMesh& detail = tree.zones[0].detail;
   const DistanceBvh bvh(detail);
+  const std::vector<std::uint16_t> looks = look_classes(scene.materials);
   for (const double error_m : {0.02, 0.2, 1.0}) {
-    const SimplifyContext context = {&tree.grid, scene.materials, 1.0 / 256, error_m, 1000000};
+    const SimplifyContext context = {&tree.grid, scene.materials, looks, 1.0 / 256, error_m, 1000000};
     const Proxy proxy = simplify_leaf(context, tree.zones[0], round_detail(detail), {&detail, &bvh});
     EXPECT_LE(proxy.error.max_m, error_m);
     EXPECT_LE(proxy.mesh.faces.size(), detail.faces.size());
@@ -162,7 +163,8 @@ TEST(Simplify, TheRootReachesItsTargetWhateverItTakes) {
   const ZoneTree tree = cut_zones(scene, 1000000);
   const LatticeMesh& detail = tree.zones[0].detail;
   const DistanceBvh bvh(detail);
-  const SimplifyContext context = {&tree.grid, scene.materials, 1.0 / 256, 0.05, 400};
+  const std::vector<std::uint16_t> looks = look_classes(scene.materials);
+  const SimplifyContext context = {&tree.grid, scene.materials, looks, 1.0 / 256, 0.05, 400};
   const Proxy proxy = simplify_leaf(context, tree.zones[0], round_detail(detail), {&detail, &bvh});
   EXPECT_LE(proxy.mesh.faces.size(), 400U);
   EXPECT_GT(proxy.mesh.faces.size(), 0U);

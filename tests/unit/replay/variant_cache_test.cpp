@@ -75,6 +75,7 @@ TEST_F(VariantCache, WhatIsDamagedOrForeignIsAsGoodAsNoneAndWrittenAnew) {
   const std::string unknown = std::string(sound).replace(sound.find("single"), 6, "double");
   for (const std::string& foreign :
        {std::string("[]"), std::string("7"), std::string(R"({"entries": {}})"), std::string(R"({"entries": [3, []]})"),
+        R"({"entries": [)" + std::string(200'000, '[') + std::string(200'000, ']') + "]}",
         std::string("\xFF\xFE\x00", 3), std::string(2U << 20U, ' '), std::string(100'000, '['), unknown}) {
     put(foreign);
     EXPECT_FALSE(read_cached_variant(file_, kHere).has_value()) << foreign.substr(0, 40);
