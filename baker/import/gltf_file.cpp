@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "baker/import/json_text.h"
+#include "baker/import/uri.h"
 #include "base/file.h"
 
 namespace zc {
@@ -23,12 +24,13 @@ constexpr std::uint32_t kChunkJson = 0x4E4F534A;  // "JSON"
 constexpr std::uint32_t kChunkBin = 0x004E4942;   // "BIN\0"
 constexpr std::uint64_t kMaxBufferBytes = std::uint64_t{1} << 34U;
 
-// Extensions that leave positions, indices and node transforms as they are, besides the two that are decoded.
-constexpr std::array<std::string_view, 14> kHandled = {
-    "KHR_draco_mesh_compression", "KHR_mesh_quantization",   "KHR_texture_transform", "KHR_texture_basisu",
-    "EXT_texture_webp",           "EXT_texture_avif",        "KHR_lights_punctual",   "KHR_xmp_json_ld",
-    "EXT_mesh_features",          "EXT_structural_metadata", "EXT_instance_features", "KHR_animation_pointer",
-    "MSFT_texture_dds",           "EXT_lights_image_based"};
+// Extensions that leave positions, indices and node transforms as they are, besides the three that are followed.
+constexpr std::array<std::string_view, 15> kHandled = {
+    "KHR_draco_mesh_compression", "KHR_mesh_quantization",  "KHR_texture_transform",
+    "KHR_texture_basisu",         "EXT_texture_webp",       "EXT_texture_avif",
+    "KHR_lights_punctual",        "KHR_xmp_json_ld",        "EXT_mesh_features",
+    "EXT_structural_metadata",    "EXT_instance_features",  "KHR_animation_pointer",
+    "MSFT_texture_dds",           "EXT_lights_image_based", "CESIUM_RTC"};
 
 std::uint32_t word(std::span<const std::byte> bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -77,24 +79,6 @@ Result<Chunks> split_glb(std::span<const std::byte> bytes, const std::string& pa
   return chunks;
 }
 
-std::string percent_decoded(const std::string& uri) {
-  const auto digit = [](char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-    return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
-  };
-  std::string text;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    if (uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) >= 0 && digit(uri[i + 2]) >= 0) {
-      text += static_cast<char>(digit(uri[i + 1]) * 16 + digit(uri[i + 2]));
-      i += 2;
-    } else {
-      text += uri[i];
-    }
-  }
-  return text;
-}
-
 bool decode_data_uri(const std::string& uri, std::vector<std::byte>& out) {
   std::vector<unsigned char> data;
   std::string mime;
@@ -136,7 +120,14 @@ Status check_required(const json& document, const std::string& path) {
   return {};
 }
 
-Status load_buffers(const json& document, std::span<const std::byte> bin, bool is_glb, GltfFile& file) {
+Result<std::filesystem::path> external_file(const std::string& uri, const std::filesystem::path& model,
+                                            const std::filesystem::path& root) {
+  if (!root.empty()) return file_of_uri(uri, model, root);
+  return model.parent_path() / percent_decoded(uri);
+}
+
+Status load_buffers(const json& document, std::span<const std::byte> bin, bool is_glb,
+                    const std::filesystem::path& root, GltfFile& file) {
   ZC_ASSIGN(const json buffers, object_array(document, "buffers", file.path));
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     const std::string where = "buffer " + std::to_string(i);
@@ -156,7 +147,7 @@ Status load_buffers(const json& document, std::span<const std::byte> bin, bool i
       if (tinygltf::IsDataURI(text)) {
         if (!decode_data_uri(text, loaded)) return file.error(where + " has a damaged data URI");
       } else {
-        const auto beside = std::filesystem::path(file.path).parent_path() / percent_decoded(text);
+        ZC_ASSIGN(const std::filesystem::path beside, external_file(text, file.path, root));
         ZC_ASSIGN(loaded, read_file(beside, kMaxBufferBytes));
       }
       if (loaded.size() < length)
@@ -187,7 +178,7 @@ Status check_views(const json& document, const GltfFile& file) {
   return {};
 }
 
-Status read_images(const json& document, GltfFile& file) {
+Status read_images(const json& document, const std::filesystem::path& root, GltfFile& file) {
   ZC_ASSIGN(const json images, object_array(document, "images", file.path));
   for (const json& image : images) {
     GltfImage entry;
@@ -197,13 +188,26 @@ Status read_images(const json& document, GltfFile& file) {
       entry.buffer_view = view->get<int>();
     } else if (uri != nullptr && uri->is_string()) {
       const std::string& text = uri->get_ref<const std::string&>();
-      if (!tinygltf::IsDataURI(text))
-        entry.uri = percent_decoded(text);
-      else if (!decode_data_uri(text, entry.embedded))
+      if (!tinygltf::IsDataURI(text)) {
+        ZC_ASSIGN(entry.file, external_file(text, file.path, root));
+      } else if (!decode_data_uri(text, entry.embedded)) {
         entry.embedded.clear();
+      }
     }
     file.images.push_back(std::move(entry));
   }
+  return {};
+}
+
+// CESIUM_RTC: a centre that positions are relative to, given in the frame that z is up in.
+Status read_center(const json& document, GltfFile& file) {
+  const json* extensions = find_member(document, "extensions");
+  const json* relative = extensions != nullptr ? find_member(*extensions, "CESIUM_RTC") : nullptr;
+  if (relative == nullptr) return {};
+  const json* center = find_member(*relative, "center");
+  const auto numbers = center != nullptr ? as_numbers(*center, 3) : std::nullopt;
+  if (!numbers) return file.error("CESIUM_RTC has no center of three numbers");
+  file.center = {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
   return {};
 }
 
@@ -241,7 +245,7 @@ Result<std::span<const std::byte>> GltfFile::view(int buffer_view) const {
   return buffers[index].subspan(entry.byteOffset, entry.byteLength);
 }
 
-Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path) {
+Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path, const std::filesystem::path& root) {
   GltfFile file;
   file.path = path;
   file.owned.push_back(std::move(bytes));
@@ -263,9 +267,10 @@ Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path
       return Error{ErrorCode::kUnsupported,
                    "glTF version " + one_line(version->get_ref<const std::string&>()) + ", only 2 is read", path};
     ZC_TRY(check_required(document, path));
-    ZC_TRY(load_buffers(document, chunks.bin, is_glb, file));
+    ZC_TRY(load_buffers(document, chunks.bin, is_glb, root, file));
     ZC_TRY(check_views(document, file));
-    ZC_TRY(read_images(document, file));
+    ZC_TRY(read_images(document, root, file));
+    ZC_TRY(read_center(document, file));
     text = reduced(document).dump(-1, ' ', false, json::error_handler_t::replace);
   }
   if (text.size() > std::numeric_limits<unsigned>::max())

@@ -11,6 +11,8 @@
 #include <tiny_gltf.h>
 
 #include <cstddef>
+#include <filesystem>
+#include <glm/vec3.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,7 +22,7 @@
 namespace zc {
 
 struct GltfImage {
-  std::string uri;                  // external file, percent-decoded; or empty
+  std::filesystem::path file;       // external; or empty
   int buffer_view = -1;             // embedded bytes; or negative
   std::vector<std::byte> embedded;  // of a data URI
 };
@@ -28,6 +30,7 @@ struct GltfImage {
 struct GltfFile {
   std::string path;
   tinygltf::Model model;  // its buffers and images are empty: use the members below
+  glm::dvec3 center{0};   // that positions are relative to, z up
   std::vector<GltfImage> images;
   std::vector<std::span<const std::byte>> buffers;
   std::vector<std::vector<std::byte>> owned;  // what `buffers` point into
@@ -37,8 +40,8 @@ struct GltfFile {
   [[nodiscard]] Result<std::span<const std::byte>> view(int buffer_view) const;
 };
 
-// `bytes` is the whole file at `path`, GLB or JSON; external buffers lie beside it.
-// Fails on lengths that disagree with the file and on required extensions that are not handled, named.
-Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path);
+// `bytes` is the model in the file at `path`, GLB or JSON; external buffers lie beside it, and within `root` unless
+// that is empty. Fails on lengths that disagree with the file and on required extensions that are not handled, named.
+Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path, const std::filesystem::path& root);
 
 }  // namespace zc

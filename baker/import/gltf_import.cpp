@@ -5,8 +5,8 @@
 #include <array>
 #include <cctype>
 #include <filesystem>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
-#include <glm/mat4x4.hpp>
 #include <optional>
 #include <string_view>
 
@@ -16,9 +16,18 @@
 namespace zc {
 namespace {
 
-// glTF is y up: (x, y, z) -> (x, -z, y). Columns.
-const glm::dmat4 kUpright(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 0, 1, 0), glm::dvec4(0, -1, 0, 0),
-                          glm::dvec4(0, 0, 0, 1));
+// Turns the axis to z. Columns.
+glm::dmat4 upright(UpAxis up) {
+  switch (up) {
+    case UpAxis::kX:
+      return {{0, 0, 1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {0, 0, 0, 1}};
+    case UpAxis::kY:
+      return {{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}, {0, 0, 0, 1}};
+    case UpAxis::kZ:
+      break;
+  }
+  return glm::dmat4(1);
+}
 
 ObjectKind kind_of(const std::string& name) {
   constexpr std::array<std::string_view, 7> kGroundNames = {"ground",   "road",         "terrain", "street",
@@ -57,8 +66,8 @@ Result<glm::dmat4> local_transform(const GltfFile& file, const tinygltf::Node& n
 
 class GltfImport {
  public:
-  GltfImport(const GltfFile& file, MeanColors& images, SceneBuilder& builder)
-      : file_(file), images_(images), builder_(builder), meshes_(file.model.meshes.size()) {}
+  GltfImport(const GltfFile& file, const GltfPlace& place, MeanColors& images, SceneBuilder& builder)
+      : file_(file), place_(place), images_(images), builder_(builder), meshes_(file.model.meshes.size()) {}
 
   Status run() {
     ZC_ASSIGN(const std::vector<int> roots, root_nodes());
@@ -67,7 +76,8 @@ class GltfImport {
       glm::dmat4 parent;
     };
     std::vector<Visit> stack;
-    for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, kUpright});
+    const glm::dmat4 placement = glm::translate(place_.to_world, file_.center) * upright(place_.up);
+    for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, placement});
     std::vector<bool> seen(file_.model.nodes.size());
     while (!stack.empty()) {
       const Visit visit = stack.back();
@@ -166,7 +176,7 @@ class GltfImport {
     const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
     const auto unit = [](double value) { return static_cast<float>(std::clamp(value, 0.0, 1.0)); };
     Material result;
-    result.name = source.name.empty() ? "material_" + std::to_string(index) : source.name;
+    result.name = source.name.empty() ? "unnamed" : source.name;  // equal looks of many files are one material
     result.base_color = glm::vec3(1);
     for (std::size_t c = 0; c < 3 && c < pbr.baseColorFactor.size(); ++c)
       result.base_color[static_cast<int>(c)] = unit(pbr.baseColorFactor[c]);
@@ -187,14 +197,16 @@ class GltfImport {
       return std::nullopt;
     }
     const GltfImage& image = file_.images[static_cast<std::size_t>(source)];
-    const std::string key = file_.path + " image " + std::to_string(source);
-    if (!image.uri.empty()) return images_.of_file(std::filesystem::path(file_.path).parent_path(), image.uri);
+    const std::string key =
+        file_.path + " byte " + std::to_string(place_.byte_offset) + " image " + std::to_string(source);
+    if (!image.file.empty()) return images_.of_file({}, image.file.string());
     if (image.buffer_view < 0) return images_.of_bytes(key, image.embedded);
     const auto bytes = file_.view(image.buffer_view);
     return images_.of_bytes(key, bytes.ok() ? *bytes : std::span<const std::byte>{});
   }
 
   const GltfFile& file_;
+  const GltfPlace& place_;
   MeanColors& images_;
   SceneBuilder& builder_;
   std::vector<std::optional<std::vector<Part>>> meshes_;  // decoded once, shared by the nodes that draw them
@@ -202,9 +214,15 @@ class GltfImport {
 
 }  // namespace
 
-Status import_gltf(std::vector<std::byte> bytes, const std::string& path, MeanColors& images, SceneBuilder& builder) {
-  ZC_ASSIGN(const GltfFile file, read_gltf(std::move(bytes), path));
-  return GltfImport(file, images, builder).run();
+Status import_gltf(std::vector<std::byte> bytes, const std::string& path, const GltfPlace& place, MeanColors& images,
+                   SceneBuilder& builder) {
+  Result<GltfFile> file = read_gltf(std::move(bytes), path, place.root);
+  if (!file) {
+    Error error = std::move(file).error();
+    if (error.path == path && error.byte_offset >= 0) error.byte_offset += place.byte_offset;
+    return error;
+  }
+  return GltfImport(*file, place, images, builder).run();
 }
 
 }  // namespace zc

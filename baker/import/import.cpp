@@ -4,14 +4,17 @@
 #include <algorithm>
 #include <fstream>
 #include <new>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "baker/import/cityjson_import.h"
+#include "baker/import/earth_frame.h"
 #include "baker/import/gltf_import.h"
 #include "baker/import/json_text.h"
 #include "baker/import/mean_color.h"
 #include "baker/import/scene_builder.h"
+#include "baker/import/tileset_import.h"
 #include "base/file.h"
 
 namespace zc {
@@ -33,7 +36,8 @@ bool is_sequence(const std::filesystem::path& path) {
   return path.extension() == ".jsonl";  // a header and nothing else
 }
 
-Status import_one(const std::filesystem::path& input, MeanColors& images, SceneBuilder& builder) {
+Status import_one(const std::filesystem::path& input, std::optional<EarthFrame>& earth, MeanColors& images,
+                  SceneBuilder& builder) {
   const std::string path = input.string();
   ZC_ASSIGN(const std::uint64_t size, file_size_bytes(input));
   std::vector<std::byte> head(std::min<std::uint64_t>(size, 64));
@@ -44,16 +48,16 @@ Status import_one(const std::filesystem::path& input, MeanColors& images, SceneB
   const std::size_t start = text.find_first_not_of(kBlank);
   if (size == 0) return Error{ErrorCode::kFormat, "file is empty", path};
   if (!is_glb && (start == std::string_view::npos || text[start] != '{'))
-    return Error{ErrorCode::kUnsupported, "is neither glTF, GLB, CityJSON nor CityJSONSeq", path, 0};
+    return Error{ErrorCode::kUnsupported, "is neither glTF, GLB, CityJSON, CityJSONSeq nor a 3D Tiles tileset", path,
+                 0};
   if (!is_glb && is_sequence(input)) return import_cityjson_seq(path, images, builder);
 
   ZC_ASSIGN(std::vector<std::byte> bytes, read_file(input, kMaxInputBytes));
-  if (is_glb) return import_gltf(std::move(bytes), path, images, builder);
+  if (is_glb) return import_gltf(std::move(bytes), path, {}, images, builder);
   text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-  if (has_top_level_key(text, "geometricError") && has_top_level_key(text, "root"))
-    return Error{ErrorCode::kUnsupported, "is a 3D Tiles tileset, which is not imported", path, 0};
+  if (is_tileset(text)) return import_tileset(text, path, earth, images, builder);
   const bool is_gltf = has_top_level_key(text, "asset") && !has_top_level_key(text, "CityObjects");
-  if (is_gltf) return import_gltf(std::move(bytes), path, images, builder);
+  if (is_gltf) return import_gltf(std::move(bytes), path, {}, images, builder);
   return import_cityjson(text, path, images, builder);
 }
 
@@ -62,10 +66,11 @@ Status import_one(const std::filesystem::path& input, MeanColors& images, SceneB
 Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs, const ImportOptions& options) {
   if (inputs.empty()) return Error{ErrorCode::kArgument, "no input given"};
   SceneBuilder builder;
+  std::optional<EarthFrame> earth;
   MeanColors images(options.textures_mean_color);
   for (const std::filesystem::path& input : inputs) {
     try {
-      if (Status status = import_one(input, images, builder); !status.ok()) {
+      if (Status status = import_one(input, earth, images, builder); !status.ok()) {
         Error error = std::move(status).error();
         if (error.path.empty()) error.path = input.string();
         return error;

@@ -96,4 +96,14 @@ std::optional<std::uint64_t> as_unsigned(const nlohmann::json& value) {
   return value.get<std::uint64_t>();
 }
 
+std::optional<std::vector<double>> as_numbers(const nlohmann::json& value, std::size_t count) {
+  if (!value.is_array() || value.size() != count) return std::nullopt;
+  std::vector<double> numbers;
+  for (const nlohmann::json& number : value) {
+    if (!number.is_number()) return std::nullopt;
+    numbers.push_back(number.get<double>());
+  }
+  return numbers;
+}
+
 }  // namespace zc

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/result.h"
 
@@ -24,6 +25,9 @@ const nlohmann::json* find_member(const nlohmann::json& object, const char* key)
 
 // A non-negative integer; nothing for any other value.
 std::optional<std::uint64_t> as_unsigned(const nlohmann::json& value);
+
+// An array of `count` numbers; nothing for any other value.
+std::optional<std::vector<double>> as_numbers(const nlohmann::json& value, std::size_t count);
 
 // A library's message as one line of printable text, cut to a length that a terminal shows.
 std::string one_line(std::string_view text);
