@@ -26,7 +26,7 @@ constexpr std::size_t kSheetTiles = 12;
 // The host draws full detail wherever a third of a pixel at 720 lines would show the difference.
 constexpr double kHostTolerance = 0.0004;
 // A replay that was not asked to measure begins no further step after this.
-constexpr double kMeasureMs = 500;
+constexpr double kMeasureMs = 2000;
 
 const char* debug_name(DebugView view) {
   switch (view) {

@@ -33,7 +33,8 @@ class Kernel(support.Case):
 
     def test_it_is_measured_once_and_remembered(self):
         self.kept.unlink(missing_ok=True)
-        name, origin, measure_ms, pictures, _ = self.replay("auto")
+        # Whether `auto` has time for all kernels is the machine's affair; what it had no time for, it does not remember.
+        name, origin, measure_ms, pictures, _ = self.replay("measure")
         print(f"{name}, measured in {measure_ms:.0f} ms")
         self.assertEqual(origin, "measured")
         self.assertGreater(measure_ms, 0)
@@ -62,13 +63,14 @@ class Kernel(support.Case):
             self.kept.write_text(damaged)
             _, origin, _, _, said = self.replay("auto")
             self.assertEqual((origin, said), ("measured", ""), damaged)
+            self.replay("measure")
             self.assertEqual(len(json.loads(self.kept.read_text())["entries"]), 1)
 
     def test_a_cache_that_cannot_be_written_is_one_warning(self):
         blocked = self.folder / "blocked"
         blocked.write_text("a file where the folder should be")
         out = self.folder / "out"
-        done = self.run_zonecast(*self.arguments("auto", out), environment={"XDG_CACHE_HOME": str(blocked)})
+        done = self.run_zonecast(*self.arguments("measure", out), environment={"XDG_CACHE_HOME": str(blocked)})
         self.assertEqual(done.returncode, 0, done.stderr)
         (line,) = done.stderr.splitlines()
         self.assertIn(str(blocked), line)
