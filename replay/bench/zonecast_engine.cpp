@@ -73,7 +73,7 @@ class ZonecastEngine final : public TraceEngine {
       options.max_zones = static_cast<std::uint32_t>(entries_.size());
       options.trace = options_.variant;
       if (const auto why_not = misfit(options.trace, trace_limits(device_, options)); !why_not.empty())
-        return Error{ErrorCode::kDevice, std::string(why_not)};
+        return Error{ErrorCode::kUnsupported, std::string(why_not)};
       if (options_.plain)
         options.proxy_kernels = {shader::bench_trace_plain_packets(),
                                  packets() ? shader::bench_trace_plain_children() : shader::bench_trace_plain_rays(),
