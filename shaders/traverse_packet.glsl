@@ -9,7 +9,7 @@
 // Rays form groups that leave the same plane, run along the same axis and differ little in direction. What does not pay
 // comes back as a retry for the traversal of single rays: groups that are too small, and groups whose frustum met more than
 // kStepsPerRay nodes and batches of triangles a ray. Both traversals find the same triangle, so it does not matter which did.
-
+//
 // With kAnyHit a ray that has a hit leaves the packet, and the frustum shrinks to those that are left.
 void PAGE_NAME(trace_packet)(uint first_ray) {
   const float step_m = frame.sun_radiance.w;

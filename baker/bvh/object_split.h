@@ -35,7 +35,7 @@ struct ObjectSplit {
   std::array<std::uint8_t, kSweepMost> order = {};
 };
 
-// Finds the best division of at least two references; `box` bounds them. All of equal centres are halved.
+// Finds the best division of at least two references. All of equal centres are halved.
 ObjectSplit find_object_split(std::span<const PackedBox> references);
 
 // Reorders the references: the split's left ones come first.

@@ -5,30 +5,13 @@
 #include <ctime>
 #include <optional>
 
+#include "replay/bench/engine_names.h"
 #include "replay/bench/parallel_chunks.h"
 #include "replay/bench/print_figures.h"
 #include "replay/bench/stopwatch.h"
 
 namespace zc::bench {
 namespace {
-
-std::vector<const TreeBuilder*> choose(const std::vector<TreeBuilder>& builders, const BuildBenchOptions& options,
-                                       std::vector<std::string>& left_out) {
-  std::vector<const TreeBuilder*> chosen;
-  for (const std::string& name : options.engines) {
-    const auto found = std::ranges::find(builders, name, &TreeBuilder::name);
-    if (std::ranges::find(chosen, &*found) == chosen.end()) chosen.push_back(&*found);
-  }
-  if (!options.engines.empty()) return chosen;
-  for (const TreeBuilder& builder : builders) {
-    if (builder.build) {
-      chosen.push_back(&builder);
-    } else {
-      left_out.push_back(builder.name + ": " + builder.missing);
-    }
-  }
-  return chosen;
-}
 
 struct Built {
   double ms = 0;
@@ -100,15 +83,10 @@ Rates rates_of(const BuildBenchReport& report, const BuildRow& row) {
 }  // namespace
 
 Status check_builders(const std::vector<TreeBuilder>& builders, const std::vector<std::string>& engines) {
-  for (const std::string& name : engines) {
-    const auto found = std::ranges::find(builders, name, &TreeBuilder::name);
-    if (found == builders.end()) {
-      std::string known;
-      for (const TreeBuilder& builder : builders) known += (known.empty() ? "" : ", ") + builder.name;
-      return Error{ErrorCode::kArgument, "no engine is called '" + name + "' (known: " + known + ")"};
-    }
-    if (!found->build) return Error{ErrorCode::kDevice, name + ": " + found->missing};
-  }
+  ZC_TRY(check_names(builders, engines));
+  if (engines.empty()) return {};
+  for (const TreeBuilder* builder : choose_by_name(builders, engines))
+    if (!builder->build) return Error{ErrorCode::kDevice, builder->name + ": " + builder->missing};
   return {};
 }
 
@@ -120,8 +98,12 @@ Result<BuildBenchReport> run_build_bench(std::string scene, std::uint64_t triang
   report.zones = zones;
   report.threads = options.threads;
   ZC_TRY(check_builders(builders, options.engines));
+  std::vector<const TreeBuilder*> wanted = choose_by_name(builders, options.engines);
+  std::erase_if(wanted, [&](const TreeBuilder* builder) {
+    if (!builder->build) report.left_out.push_back(builder->name + ": " + builder->missing);
+    return !builder->build;
+  });
   std::vector<const TreeBuilder*> chosen;
-  const std::vector<const TreeBuilder*> wanted = choose(builders, options, report.left_out);
   double done = 0;
   const auto show = [&](std::string_view stage) {
     if (options.progress) options.progress(done / static_cast<double>(wanted.size() * (options.repeat + 1)), stage);

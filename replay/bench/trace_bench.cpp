@@ -5,35 +5,12 @@
 #include <memory>
 #include <optional>
 
+#include "replay/bench/engine_names.h"
 #include "replay/bench/engines.h"
 #include "replay/bench/print_figures.h"
 
 namespace zc::bench {
-namespace {
-
-// As asked for, in that order; all when nothing was.
-std::vector<const EngineEntry*> choose(std::span<const std::string> names) {
-  std::vector<const EngineEntry*> chosen;
-  for (const std::string& name : names) {
-    const auto entry = std::ranges::find(all_engines(), name, &EngineEntry::name);
-    if (std::ranges::find(chosen, &*entry) == chosen.end()) chosen.push_back(&*entry);
-  }
-  if (names.empty())
-    for (const EngineEntry& entry : all_engines()) chosen.push_back(&entry);
-  return chosen;
-}
-
-}  // namespace
-
-Status check_engine_names(std::span<const std::string> names) {
-  for (const std::string& name : names) {
-    if (std::ranges::find(all_engines(), name, &EngineEntry::name) != all_engines().end()) continue;
-    std::string known;
-    for (const EngineEntry& entry : all_engines()) known += (known.empty() ? "" : ", ") + std::string(entry.name);
-    return Error{ErrorCode::kArgument, "no engine is called '" + name + "' (known: " + known + ")"};
-  }
-  return {};
-}
+Status check_engine_names(std::span<const std::string> names) { return check_names(all_engines(), names); }
 
 Result<TraceBenchReport> run_trace_bench(const BenchScene& scene, const Oracle& oracle, std::span<const BenchRay> rays,
                                          const TraceBenchOptions& options) {
@@ -44,7 +21,7 @@ Result<TraceBenchReport> run_trace_bench(const BenchScene& scene, const Oracle& 
   report.triangles = scene.triangles.size();
   report.zones = scene.zones.size();
 
-  const std::vector<const EngineEntry*> chosen = choose(options.engines);
+  const std::vector<const EngineEntry*> chosen = choose_by_name(all_engines(), options.engines);
   const bool by_name = !options.engines.empty();
   EngineContext context{nullptr, &options.page_builder, options.threads, options.any_hit};
   std::unique_ptr<Device> device;

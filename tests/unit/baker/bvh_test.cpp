@@ -8,6 +8,7 @@
 #include <random>
 
 #include "baker/bvh/binned_sah.h"
+#include "baker/bvh/build_page.h"
 #include "baker/bvh/build_wide.h"
 #include "baker/bvh/page_nodes.h"
 #include "baker/bvh/simulate.h"
@@ -18,13 +19,6 @@ namespace zc {
 namespace {
 
 using Corners = std::array<PageView::Point, 3>;
-
-std::vector<BvhTriangle> triangles_of(const ZoneMesh& mesh) {
-  std::vector<BvhTriangle> out(mesh.triangles.size());
-  for (std::size_t i = 0; i < out.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k) out[i][k] = mesh.vertices[mesh.triangles[i][k]];
-  return out;
-}
 
 struct Walk {
   const PageView& page;
@@ -61,7 +55,7 @@ void expect_valid(ZoneMesh mesh, BvhBuildOptions options = {}) {
   record.origin = {-4096, 8192, 64};
   record.step_shift = 3;
   record.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
-  const auto tree = build_wide_bvh(triangles_of(mesh), options);
+  const auto tree = build_wide_bvh(bvh_triangles(mesh), options);
   ASSERT_TRUE(tree.ok()) << tree.error().describe();
   const BvhFile bvh = lay_out_bvh(*tree, mesh, record);
   record.reference_count = static_cast<std::uint32_t>(bvh.order.size());
@@ -178,7 +172,7 @@ TEST(WideBvh, AClusterEndsWhereVerticesOrMaterialsRunOut) {
   }
   NodeRecord record;
   record.triangle_count = 3000;
-  const auto tree = build_wide_bvh(triangles_of(colourful), {});
+  const auto tree = build_wide_bvh(bvh_triangles(colourful), {});
   ASSERT_TRUE(tree.ok());
   const BvhFile bvh = lay_out_bvh(*tree, colourful, record);
   EXPECT_GE(bvh.clusters.size(), 3000U / gpu::kPaletteMax);
@@ -195,7 +189,7 @@ TEST(WideBvh, RefusesNothing) { EXPECT_FALSE(build_wide_bvh({}, {}).ok()); }
 
 TEST(WideBvh, TimeGrowsBarelyFasterThanTheTriangles) {
   const auto build_s = [](std::size_t count) {
-    const std::vector<BvhTriangle> triangles = triangles_of(random_mesh(count));
+    const std::vector<BvhTriangle> triangles = bvh_triangles(random_mesh(count));
     const auto start = std::chrono::steady_clock::now();
     EXPECT_TRUE(build_wide_bvh(triangles, {}).ok());
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -323,15 +317,15 @@ TEST(BvhMethods, SimulatedRaysFindWhatEveryTriangleInTurnFinds) {
 }
 
 TEST(BvhMethods, AutoScoresNoWorseThanWhatItChoosesFrom) {
-  for (const auto& triangles : {triangles_of(random_mesh(2000)), slivers_and_crumbs(3000)}) {
+  for (const auto& triangles : {bvh_triangles(random_mesh(2000)), slivers_and_crumbs(3000)}) {
     const std::vector<SampleRay> rays = make_sample_rays(triangles);
     BvhBuildOptions options;
     const auto score = [&](BvhMethod method) {
       options.method = method;
       const Result<WideTree> tree = build_wide_bvh(triangles, options);
-      const double bytes = (80.0 * static_cast<double>(tree->nodes.size()) +
-                            8.0 * static_cast<double>(tree->references.size())) /
-                           static_cast<double>(triangles.size());
+      const double bytes =
+          (80.0 * static_cast<double>(tree->nodes.size()) + 8.0 * static_cast<double>(tree->references.size())) /
+          static_cast<double>(triangles.size());
       EXPECT_LE(tree->depth, options.depth_preferred);
       const double cost = simulated_cost(*tree, triangles, rays) * (1 + options.byte_weight * bytes);
       return bytes > options.bytes_per_triangle_max ? cost * 1e3 * bytes : cost;
@@ -372,7 +366,7 @@ TEST(WideBvh, ClustersHoldNoMoreTrianglesThanAHitCanNumber) {
   fan.materials.resize(fan.triangles.size());
   NodeRecord record;
   record.triangle_count = static_cast<std::uint32_t>(fan.triangles.size());
-  const auto tree = build_wide_bvh(triangles_of(fan), {});
+  const auto tree = build_wide_bvh(bvh_triangles(fan), {});
   ASSERT_TRUE(tree.ok());
   const BvhFile bvh = lay_out_bvh(*tree, fan, record);
   ASSERT_GT(bvh.clusters.size(), 2U);
