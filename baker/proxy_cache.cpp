@@ -54,7 +54,8 @@ void add_place(Hasher& hash, const SimplifyContext& context, const Zone& zone) {
   hash.add(zone.depth).add(zone.cell_x).add(zone.cell_y).add(static_cast<std::uint32_t>(zone.parent < 0));
 }
 
-// 18 bytes a face, in memory and in the file.
+constexpr std::size_t kFaceBytes = 18;
+
 void append_face(const LatticeFace& face, std::vector<std::byte>& out) {
   const std::array<std::uint16_t, 3> rest = {face.material, static_cast<std::uint16_t>(face.ground), 0};
   const std::size_t at = out.size();
@@ -90,8 +91,6 @@ std::vector<std::byte> encode_entry(const std::optional<Proxy>& proxy) {
   for (const LatticeFace& face : proxy->mesh.faces) append_face(face, out);
   return out;
 }
-
-constexpr std::size_t kFaceBytes = 18;
 
 // What encode_entry wrote, checked as simplification would have made it; nothing where it is not.
 std::optional<std::optional<Proxy>> decode_entry(std::span<const std::byte> bytes, std::size_t material_count) {
@@ -136,7 +135,6 @@ std::optional<std::optional<Proxy>> decode_entry(std::span<const std::byte> byte
 struct FileHeader {
   std::array<char, 4> magic = kMagic;
   std::uint32_t version = kVersion;
-  std::uint64_t entries = 0;
   std::uint64_t xxh3 = 0;  // of all that follows
 };
 
@@ -216,7 +214,6 @@ std::vector<std::byte> ProxyCache::encode() const {
   std::vector<std::byte> out(sizeof header);
   for (const auto& [key, entry] : entries_) {
     if (!entry.used) continue;
-    ++header.entries;
     const EntryPlace place = {key, entry.bytes.size()};
     const auto bytes = std::as_bytes(std::span(&place, 1));
     out.insert(out.end(), bytes.begin(), bytes.end());
