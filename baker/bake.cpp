@@ -118,7 +118,7 @@ Status encode_node(const ProxyNode& source, std::span<const Material> materials,
 Status build_node_bvh(const ZoneMesh& mesh, const BvhBuildOptions& options, std::uint32_t material_count,
                       const WorldWriter& writer, NodeRecord& node) {
   const std::string name = node_file(node, "zbvh");
-  ZC_ASSIGN(const BuiltPage page, build_page(mesh, options, material_count, node, name));
+  ZC_ASSIGN(const BuiltPage page, build_page(mesh, {}, options, material_count, node, name));
   const std::vector<std::byte> bytes = encode_bvh_file(page.bvh);
   node.bvh_bytes = bytes.size();
   node.scratch_bytes += bvh_scratch_bytes(node);

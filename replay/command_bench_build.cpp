@@ -86,7 +86,7 @@ Result<TreeFigures> look_at(const WideTree& tree, const Zone& zone) {
   figures.references = tree.references.size();
   figures.depth = tree.depth;
   NodeRecord node = zone.node;
-  ZC_ASSIGN(const BuiltPage page, lay_out_page(tree, zone.mesh, 1, node, "page"));
+  ZC_ASSIGN(const BuiltPage page, lay_out_page(tree, zone.mesh, {}, 1, node, "page"));
   figures.page_bytes = 4 * page.words.size();
   figures.sah_cost = sah_cost(tree);
   const TreeSimulation simulation(tree, zone.triangles);

@@ -48,7 +48,7 @@ bench::PageBuilder page_builder(BvhMethod method) {
   BvhBuildOptions options;
   options.method = method;
   return [options](const ZoneMesh& mesh, NodeRecord& node) -> Result<bench::ZonePage> {
-    ZC_ASSIGN(BuiltPage page, build_page(mesh, options, 1, node, "page"));
+    ZC_ASSIGN(BuiltPage page, build_page(mesh, {}, options, 1, node, "page"));
     return bench::ZonePage{std::move(page.words), std::move(page.bvh.order)};
   };
 }

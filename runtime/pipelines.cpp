@@ -70,10 +70,11 @@ PassLayout::~PassLayout() {
 Status PassLayout::create() {
   std::vector<VkDescriptorSetLayoutBinding> bindings(kBindingCount);
   for (std::uint32_t i = 0; i < kBindingCount; ++i) {
-    // The vertex stages read zones and pages; everything else is for compute.
-    const bool vertex = i <= gpu::kBindHostPool4 || (i >= gpu::kBindProxyTexels && i <= gpu::kBindHostTexels4);
+    // What draws reads zones, pages and materials; everything else is for compute.
+    const bool drawn = i <= gpu::kBindMaterials || (i >= gpu::kBindProxyTexels && i <= gpu::kBindHostTexels4);
     const VkShaderStageFlags stages =
-        vertex ? VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT : VK_SHADER_STAGE_COMPUTE_BIT;
+        drawn ? VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT
+              : VK_SHADER_STAGE_COMPUTE_BIT;
     bindings[i] = {i, type_of(i), 1, stages, nullptr};
   }
   VkDescriptorSetLayoutCreateInfo layout{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
@@ -166,7 +167,7 @@ Result<Pipeline> Pipeline::create_graphics(const Device& device, const PassLayou
   ZC_TRY(fragment.create(graphics.fragment));
   std::array stages = {vertex.stage(VK_SHADER_STAGE_VERTEX_BIT), fragment.stage(VK_SHADER_STAGE_FRAGMENT_BIT)};
   const VkSpecializationInfo special = specialization(graphics.variant);
-  stages[0].pSpecializationInfo = &special;
+  for (auto& stage : stages) stage.pSpecializationInfo = &special;
 
   const VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
   VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};

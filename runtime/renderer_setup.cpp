@@ -11,7 +11,7 @@
 namespace zc {
 namespace {
 
-constexpr VkFormat kSurfaceFormat = VK_FORMAT_R32G32_UINT;
+constexpr VkFormat kSurfaceFormat = VK_FORMAT_R32G32B32A32_UINT;
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr VkFormat kOverlayFormat = VK_FORMAT_R8G8B8A8_UNORM;
 
@@ -284,8 +284,8 @@ Result<const Renderer::TraceKernels*> Renderer::kernels(const TraceOptions& opti
 Status Renderer::create_resolve(bool host) {
   Pipeline& pipeline = host ? resolve_host_ : resolve_proxies_;
   if (pipeline.handle() != VK_NULL_HANDLE) return {};
-  ZC_ASSIGN(pipeline,
-            Pipeline::create_compute(device_, layout_, layout_kernels(host).resolve, pass_variant(options_.trace, host)));
+  ZC_ASSIGN(pipeline, Pipeline::create_compute(device_, layout_, layout_kernels(host).resolve,
+                                               pass_variant(options_.trace, host)));
   return {};
 }
 

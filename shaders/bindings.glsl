@@ -2,7 +2,6 @@
 // The descriptor set that the compute passes share.
 #include "scene_bindings.glsl"
 
-layout(set = 0, binding = kBindMaterials, std430) readonly buffer Materials { MaterialEntry materials[]; };
 layout(set = 0, binding = kBindHiz, std430) buffer Hiz { float hiz[]; };
 layout(set = 0, binding = kBindLit, std430) buffer Lit { uvec2 lit[]; };
 layout(set = 0, binding = kBindReflection, std430) buffer Reflection { uvec2 reflection[]; };

@@ -14,7 +14,7 @@ const uint kTile = 8u;
 bool mirrors(ivec2 pixel) {
   const Surface s = load_surface(pixel);
   if (s.sky) return false;
-  const Shading shading = shade_surface(materials[s.material], s.normal, s.view, 1.0);
+  const Shading shading = shade_surface(s.look, s.shaded, s.view);
   return max(shading.specular.r, max(shading.specular.g, shading.specular.b)) >= 0.004;
 }
 

@@ -16,11 +16,11 @@ void main() {
   vec3 color = unpack_color(lit[index]).rgb;
   if (!s.sky) {
     // Without a traced ray the surface mirrors the sky if it mirrors at all (--reflections none).
-    const Shading shading = shade_surface(materials[s.material], s.normal, s.view, 1.0);
+    const Shading shading = shade_surface(s.look, s.shaded, s.view);
     const bool traced = (provenance[index] & ((1u << kSourceBits) - 1u)) != kSourceNone;
     const vec3 mirrored =
-        traced ? unpack_color(reflection[index]).rgb : sky_radiance(reflect(s.view, s.normal));
-    color = add_haze(color + shading.specular * mirrored, s.view, s.distance_m);
+        traced ? unpack_color(reflection[index]).rgb : sky_radiance(mirrored_direction(s));
+    color = add_haze(color * shading.diffuse + shading.specular * mirrored, s.view, s.distance_m);
   }
   color *= 0.9;
   color = clamp((color * (2.51 * color + 0.03)) / (color * (2.43 * color + 0.59) + 0.14), 0.0, 1.0);

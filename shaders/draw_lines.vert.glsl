@@ -20,8 +20,8 @@ void main() {
     vec3 a;
     vec3 b;
     vec3 c;
-    uint material;
-    proxy_fetch_triangle(zone.page_word, id / 6u, a, b, c, material);
+    const proxy_Cluster cluster = proxy_find_cluster(zone.page_word, id / 6u);
+    proxy_load_corners(cluster, proxy_load(cluster.triangle_word + id / 6u - cluster.first_triangle), a, b, c);
     const uint corner = ((id % 6u + 1u) / 2u) % 3u;
     p = corner == 0u ? a : (corner == 1u ? b : c);
     out_color = vec3(0.15, 0.95, 0.25);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands in for the host's lighting: diffuse light of every visible surface with one shadow ray against the host's zones.
+// Stands in for the host's lighting: irradiance of every visible surface, with one shadow ray against the host's zones
+// where the bake does not say it all.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "bindings.glsl"
@@ -18,16 +19,15 @@ void main() {
   const uint index = uint(pixel.y) * frame.size.x + uint(pixel.x);
   const Surface s = load_surface(pixel);
   if (s.sky) {
-    lit[index] = pack_color(sky_radiance(s.view), 1.0);
+    lit[index] = pack_color(sky_radiance(s.view), 0.0);
     return;
   }
-  float visibility = 0.0;
-  if (dot(s.normal, frame.sun_direction.xyz) > 0.0) {
+  float visibility = s.look.sun == kSunLit ? 1.0 : 0.0;
+  if (s.look.sun == kSunUnknown && dot(s.normal, frame.sun_direction.xyz) > 0.0) {
     const float start_m = 1e-3 + 1e-5 * s.distance_m;
     const TraceRay ray =
         TraceRay(s.position + s.normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w, s.leaves);
     visibility = host_trace(ray, true).triangle == kHitNone ? 1.0 : 0.0;
   }
-  const Shading shading = shade_surface(materials[s.material], s.normal, s.view, visibility);
-  lit[index] = pack_color(shading.diffuse, visibility);
+  lit[index] = pack_color(irradiance(s.look, s.shaded, visibility), 0.0);
 }

@@ -127,16 +127,15 @@ void main() {
   const uint index = pixels[i];
   const ivec2 pixel = ivec2(index % frame.size.x, index / frame.size.x);
   const Surface s = load_surface(pixel);
-  const vec3 direction = reflect(s.view, s.normal);
+  const vec3 direction = mirrored_direction(s);
 
   March march = March(kUnknown, ivec2(0), 0.0);
   if (kUseScreen != 0u) march = march_screen(s, direction);
   if (march.end == kHit) {
     const Surface h = load_surface(march.pixel);
     const uint hit_index = uint(march.pixel.y) * frame.size.x + uint(march.pixel.x);
-    const float visibility = unpack_color(lit[hit_index]).w;
-    reflection[index] =
-        pack_color(shade_mirrored(materials[h.material], h.normal, direction, visibility, march.t), 0.0);
+    const vec3 light = unpack_color(lit[hit_index]).rgb;
+    reflection[index] = pack_color(shade_mirrored(h.look, dot(h.shaded, direction) < 0.0 ? h.shaded : h.normal, direction, light, march.t), 0.0);
     provenance[index] = kSourceScreen;
     atomicAdd(counters.rays_screen, 1u);
   } else if (march.end == kSky) {

@@ -49,6 +49,7 @@ uvec4 PAGE_NAME(load4)(uint at) {
 struct PAGE_NAME(Cluster) {
   ivec3 offset;  // from the camera's lattice point
   int shift;
+  uint counts;  // with its flags
   uint triangle_word;  // first word of the triangles, the vertices and the palette in the pool
   uint vertex_word;
   uint palette_word;
@@ -62,9 +63,10 @@ PAGE_NAME(Cluster) PAGE_NAME(load_cluster)(uint word) {
   const uvec4 b = PAGE_NAME(load4)(word + 4u);
   PAGE_NAME(Cluster) c;
   c.offset = ivec3(a.xyz) - frame.camera_lattice.xyz;
-  c.shift = int(a.w >> 27);
+  c.shift = int(a.w >> kClusterShiftBit);
+  c.counts = a.w;
   c.triangle_word = word + kClusterHeaderWords;
-  c.vertex_word = c.triangle_word + ((a.w >> 9) & 0x3FFFFu);
+  c.vertex_word = c.triangle_word + cluster_triangles(a.w);
   c.error_m = uintBitsToFloat(b.x);
   c.page_word = word - b.y;
   c.first_triangle = b.z;
@@ -88,16 +90,8 @@ void PAGE_NAME(load_corners)(PAGE_NAME(Cluster) cluster, uint packed_triangle, o
   c = PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (packed_triangle >> 16) & 0xFFu);
 }
 
-void PAGE_NAME(fetch_corners)(PAGE_NAME(Cluster) cluster, uint index, out vec3 a, out vec3 b, out vec3 c,
-                              out uint material) {
-  const uint packed_triangle = PAGE_NAME(load)(cluster.triangle_word + index);
-  PAGE_NAME(load_corners)(cluster, packed_triangle, a, b, c);
-  const uint place = packed_triangle >> 24;
-  material = (PAGE_NAME(load)(cluster.palette_word + (place >> 1)) >> (16u * (place & 1u))) & 0xFFFFu;
-}
-
-// The triangle at a position of a page, for who has no cluster at hand.
-void PAGE_NAME(fetch_triangle)(uint page_word, uint triangle, out vec3 a, out vec3 b, out vec3 c, out uint material) {
+// The cluster of the triangle at a position of a page, for who does not have it at hand.
+PAGE_NAME(Cluster) PAGE_NAME(find_cluster)(uint page_word, uint triangle) {
   uint low = page_word + PAGE_NAME(load)(page_word + 5u);  // the first entry of the cluster table
   uint count = PAGE_NAME(load)(page_word + 4u);
   while (count > 1u) {  // the last entry whose first triangle is not behind `triangle`
@@ -106,6 +100,5 @@ void PAGE_NAME(fetch_triangle)(uint page_word, uint triangle, out vec3 a, out ve
     low = PAGE_NAME(load)(middle) <= triangle ? middle : low;
     count -= half_count;
   }
-  const PAGE_NAME(Cluster) cluster = PAGE_NAME(load_cluster)(page_word + PAGE_NAME(load)(low + 1u));
-  PAGE_NAME(fetch_corners)(cluster, triangle - cluster.first_triangle, a, b, c, material);
+  return PAGE_NAME(load_cluster)(page_word + PAGE_NAME(load)(low + 1u));
 }

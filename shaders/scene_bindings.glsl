@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the vertex stages read: camera, zones and pages. They may not declare buffers that can be written.
+// What the stages that draw read: camera, zones, pages and materials. They may not declare buffers that can be written.
 #extension GL_EXT_scalar_block_layout : disable
 
 #include "shared/frame.h"
@@ -20,5 +20,7 @@ layout(set = 0, binding = kBindHostPool4, std430) readonly buffer HostPool4 { uv
 layout(set = 0, binding = kBindHostTexels) uniform usamplerBuffer host_texels;
 layout(set = 0, binding = kBindHostTexels4) uniform usamplerBuffer host_texels4;
 layout(set = 0, binding = kBindHostZones, std430) readonly buffer HostZones { ZoneEntry host_zones[]; };
+
+layout(set = 0, binding = kBindMaterials, std430) readonly buffer Materials { MaterialEntry materials[]; };
 
 layout(push_constant) uniform PassBlock { PassConstants pass_constants; };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The one shading function: primary surfaces, screen hits and proxy hits all go through it, so that no seam shows where
-// one kind of hit ends and the next begins (the thesis's visible colour change).
+// one kind of hit ends and the next begins (the thesis's visible colour change). Needs look.glsl.
 
 float hash_lattice(vec2 p) { return fract(sin(dot(p, vec2(127.1, 311.7))) * 43758.5453); }
 
@@ -37,25 +37,33 @@ float mirror_share(float roughness) {
   return 1.0 - smoothstep(0.4 * cut, cut, roughness);
 }
 
+// Diffuse skylight on a surface that sees its whole half of the sky and ground; a zero normal: the mean.
+vec3 sky_irradiance(vec3 normal) {
+  return mix(vec3(0.22, 0.21, 0.20), vec3(0.42, 0.50, 0.62), 0.5 + 0.5 * normal.z);
+}
+
+// All diffuse light on a surface. sun_visibility in 0..1.
+vec3 irradiance(SurfaceLook look, vec3 normal, float sun_visibility) {
+  const float sun = max(dot(normal, frame.sun_direction.xyz), 0.0) * sun_visibility;
+  return frame.sun_radiance.xyz * sun + sky_irradiance(normal) * look.sky + look.bounce;
+}
+
 struct Shading {
-  vec3 diffuse;   // light that does not depend on what is mirrored
+  vec3 diffuse;   // factor on the irradiance
   vec3 specular;  // factor on the mirrored radiance
 };
 
-// direction: unit, towards the surface. sun_visibility in 0..1.
-Shading shade_surface(MaterialEntry material, vec3 normal, vec3 direction, float sun_visibility) {
-  const vec3 base = vec3(material.base_r, material.base_g, material.base_b);
+// direction: unit, towards the surface.
+Shading shade_surface(SurfaceLook look, vec3 normal, vec3 direction) {
   const float cosine = clamp(-dot(normal, direction), 0.0, 1.0);
-  const vec3 f0 = mix(vec3(0.04), base, material.metallic);
+  const vec3 f0 = mix(vec3(0.04), look.base, look.metallic);
   const vec3 fresnel = f0 + (1.0 - f0) * pow(1.0 - cosine, 5.0);
-  const float share = mirror_share(material.roughness);
-  const float sun = max(dot(normal, frame.sun_direction.xyz), 0.0) * sun_visibility;
-  const vec3 ambient = mix(vec3(0.22, 0.21, 0.20), vec3(0.42, 0.50, 0.62), 0.5 + 0.5 * normal.z);
+  const float share = mirror_share(look.roughness);
   Shading s;
   s.specular = fresnel * share;
   // A metal too rough to mirror still answers light: its base colour then acts as albedo.
-  const vec3 albedo = base * mix(1.0, 1.0 - share, material.metallic);
-  s.diffuse = albedo * (1.0 - fresnel * share) * (frame.sun_radiance.xyz * sun + ambient);
+  const vec3 albedo = look.base * mix(1.0, 1.0 - share, look.metallic);
+  s.diffuse = albedo * (1.0 - fresnel * share);
   return s;
 }
 
@@ -65,8 +73,8 @@ vec3 add_haze(vec3 color, vec3 direction, float distance_m) {
 }
 
 // A surface met by a mirrored ray: what it mirrors in turn is the sky.
-vec3 shade_mirrored(MaterialEntry material, vec3 normal, vec3 direction, float sun_visibility, float distance_m) {
-  const Shading s = shade_surface(material, normal, direction, sun_visibility);
-  const vec3 color = s.diffuse + s.specular * sky_radiance(reflect(direction, normal));
+vec3 shade_mirrored(SurfaceLook look, vec3 normal, vec3 direction, vec3 light, float distance_m) {
+  const Shading s = shade_surface(look, normal, direction);
+  const vec3 color = s.diffuse * light + s.specular * sky_radiance(reflect(direction, normal));
   return add_haze(color, direction, distance_m);
 }

@@ -20,12 +20,12 @@ struct BuiltPage {
 std::vector<BvhTriangle> bvh_triangles(const ZoneMesh& mesh);
 
 // `node` has the mesh's origin, step, counts and error; its BVH's counts and its page's bytes are filled in.
-// name: of the file that errors speak of.
-Result<BuiltPage> build_page(const ZoneMesh& mesh, const BvhBuildOptions& options, std::uint32_t material_count,
-                             NodeRecord& node, const std::string& name);
+// `appearance` is of the mesh. name: of the file that errors speak of.
+Result<BuiltPage> build_page(const ZoneMesh& mesh, ZoneAppearance appearance, const BvhBuildOptions& options,
+                             std::uint32_t material_count, NodeRecord& node, const std::string& name);
 
 // The same from a tree over bvh_triangles(mesh).
-Result<BuiltPage> lay_out_page(const WideTree& tree, const ZoneMesh& mesh, std::uint32_t material_count,
-                               NodeRecord& node, const std::string& name);
+Result<BuiltPage> lay_out_page(const WideTree& tree, const ZoneMesh& mesh, ZoneAppearance appearance,
+                               std::uint32_t material_count, NodeRecord& node, const std::string& name);
 
 }  // namespace zc

@@ -2,6 +2,7 @@
 #include "baker/bvh/page_nodes.h"
 
 #include <span>
+#include <utility>
 
 #include "base/check.h"
 #include "shaders/shared/page_node.h"
@@ -12,12 +13,14 @@ namespace {
 
 class Layout {
  public:
-  Layout(const WideTree& tree, const ZoneMesh& mesh, const NodeRecord& record)
-      : tree_(tree), mesh_(mesh), record_(record) {}
+  Layout(const WideTree& tree, const ZoneMesh& mesh, ZoneAppearance&& appearance, const NodeRecord& record)
+      : tree_(tree), mesh_(mesh), record_(record) {
+    out_.appearance = std::move(appearance);
+  }
 
   BvhFile run() {
     out_.depth = tree_.depth;
-    if (tree_.references.size() > mesh_.triangles.size()) out_.flags |= gpu::kPageSplitTriangles;
+    out_.split = tree_.references.size() > mesh_.triangles.size();
     out_.nodes.resize(tree_.nodes.size());
     out_.order.reserve(tree_.references.size());
     out_.clusters.push_back(0);
@@ -69,13 +72,13 @@ class Layout {
     return world;
   }
 
-  // All of a node's triangles go into one cluster: a new one when the present one has no room for them, their vertices or
-  // their materials.
+  // All of a node's triangles go into one cluster: a new one when the present one has no room for them, their vertices
+  // or their materials or looks.
   void append(std::span<const BvhReference> references) {
     if (!try_add(references)) {
       out_.clusters.push_back(static_cast<std::uint32_t>(out_.order.size()));
       vertices_.clear();
-      materials_.clear();
+      palette_.clear();
       ZC_CHECK(try_add(references));  // at most 96 vertices
     }
     for (const BvhReference& r : references) out_.order.push_back(r.triangle);
@@ -83,8 +86,9 @@ class Layout {
 
   bool try_add(std::span<const BvhReference> references) {
     if (out_.order.size() - out_.clusters.back() + references.size() > gpu::kClusterMaxTriangles) return false;
+    const std::vector<std::uint16_t>& looks = out_.appearance.look_of;
     for (const BvhReference& r : references) {
-      if (!materials_.add(mesh_.materials[r.triangle])) return false;
+      if (!palette_.add(looks.empty() ? mesh_.materials[r.triangle] : looks[r.triangle])) return false;
       for (const std::uint32_t v : mesh_.triangles[r.triangle])
         if (!vertices_.add(mesh_.vertices[v])) return false;
     }
@@ -96,13 +100,13 @@ class Layout {
   const NodeRecord& record_;
   BvhFile out_;
   ClusterVertices vertices_;
-  ClusterMaterials materials_;
+  ClusterPalette palette_;
 };
 
 }  // namespace
 
-BvhFile lay_out_bvh(const WideTree& tree, const ZoneMesh& mesh, const NodeRecord& record) {
-  return Layout(tree, mesh, record).run();
+BvhFile lay_out_bvh(const WideTree& tree, const ZoneMesh& mesh, ZoneAppearance appearance, const NodeRecord& record) {
+  return Layout(tree, mesh, std::move(appearance), record).run();
 }
 
 }  // namespace zc

@@ -33,7 +33,7 @@ ZC_CONST(uint, kBindHostZones, 5u);
 ZC_CONST(uint, kBindHostPool4, 6u);
 ZC_CONST(uint, kBindMaterials, 7u);
 ZC_CONST(uint, kBindHiz, 8u);          // float: nearest depth per cell, all levels
-ZC_CONST(uint, kBindLit, 9u);          // uvec2 a pixel: half rgb, sun visibility
+ZC_CONST(uint, kBindLit, 9u);          // uvec2 a pixel: half rgb of the irradiance, or of the sky; unused
 ZC_CONST(uint, kBindReflection, 10u);  // uvec2 a pixel: half rgb, unused
 ZC_CONST(uint, kBindProvenance, 11u);  // uint a pixel
 ZC_CONST(uint, kBindPixels, 12u);      // uint: reflective pixels
@@ -42,7 +42,7 @@ ZC_CONST(uint, kBindHits, 14u);        // HitRecord
 ZC_CONST(uint, kBindCounters, 15u);
 ZC_CONST(uint, kBindOutput, 16u);   // uint a pixel: RGBA8 sRGB
 ZC_CONST(uint, kBindDepth, 17u);    // sampled: reversed-Z depth
-ZC_CONST(uint, kBindSurface, 18u);  // sampled: octahedral normal, material
+ZC_CONST(uint, kBindSurface, 18u);  // sampled: octahedral normal, base, light, sun (look.glsl)
 // The pools once more as texel buffers of one and of four words: on some drivers a fetch is several times faster than a
 // load from a storage buffer (measured: Mesa 22.3 lavapipe, 2.4 times for a whole traversal).
 ZC_CONST(uint, kBindProxyTexels, 19u);
@@ -69,7 +69,7 @@ struct FrameData {
   ivec4 camera_lattice;          // lattice position all positions are relative to
   uvec4 size;                    // width, height, hiz levels, SSR step limit
   uvec4 sets;                    // proxies: root node's word in the pool, zones; host: the same
-  uvec4 set_ends;                // first words behind the top levels: proxies, host
+  uvec4 set_ends;                // first words behind the top levels: proxies, host; whether the sun is the bake's
   uvec4 hiz_offset[kHizLevels];  // x = first float, y = width, z = height
 };
 

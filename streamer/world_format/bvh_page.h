@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// `.zbvh`: the BVH of one node, built on its decoded Draco mesh, and which of that mesh's triangles its leaves hold; and
-// the page that both make.
+// `.zbvh`: the BVH of one node, built on its decoded Draco mesh, which of that mesh's triangles its leaves hold and how
+// they look; and the page that both make.
 //
 //   BvhFileHeader | gpu::PageNode × node_count | u32 × reference_count (page position -> decoded triangle)
 //                 | u32 × cluster_count (each cluster's first position)
+//                 | gpu::Look × look_count, u16 × triangle_count (decoded triangle -> look), padding to 4 bytes
+//                 | gpu::TriangleLight × triangle_count
+//                 | u32 × curved_count (decoded triangles, ascending), gpu::TriangleNormals × curved_count
+//                 | u32 × atlas words
 //
+// From the looks on, a part is there only where the flags say so.
 // In the file a node's child_offset is the number of its first child node, triangle_offset the position of the first
 // triangle of its leaves and cluster_offset the number of their cluster, each 0 where there is none.
 //
@@ -25,28 +30,48 @@
 namespace zc {
 
 struct BvhFileHeader {
-  std::array<char, 4> magic = {'Z', 'B', 'V', '2'};
+  std::array<char, 4> magic = {'Z', 'B', 'V', '3'};
   std::uint32_t flags = 0;  // as in gpu::PageHeader
   std::uint32_t node_count = 0;
   std::uint32_t reference_count = 0;
   std::uint32_t cluster_count = 0;
   std::uint32_t depth = 0;
+  std::uint32_t triangle_count = 0;
+  std::uint32_t look_count = 0;
+  std::uint32_t curved_count = 0;
+  std::uint32_t atlas_size = 0;  // as in gpu::PageHeader; 0: none
+  float texels_per_step = 0;
+  std::uint32_t reserved = 0;
 };
-static_assert(sizeof(BvhFileHeader) == 24);
+static_assert(sizeof(BvhFileHeader) == 48);
+
+inline constexpr std::uint32_t kZoneLooksMax = 65'536;
+
+// How a node's surface looks beyond one material a triangle. Every part may be empty.
+struct ZoneAppearance {
+  std::vector<gpu::Look> looks;
+  std::vector<std::uint16_t> look_of;         // per decoded triangle; the look's material is the triangle's
+  std::vector<gpu::TriangleLight> light;      // per decoded triangle
+  std::vector<std::uint32_t> curved;          // decoded triangles, ascending
+  std::vector<gpu::TriangleNormals> normals;  // of those
+  std::uint32_t atlas_size = 0;               // as in gpu::PageHeader
+  float texels_per_step = 0;
+  std::vector<std::uint32_t> atlas;  // BC1 blocks of all levels
+
+  [[nodiscard]] std::uint32_t page_flags() const {
+    return (looks.empty() ? 0 : gpu::kPageLooks) | (light.empty() ? 0 : gpu::kPageLight) |
+           (curved.empty() ? 0 : gpu::kPageNormals);
+  }
+};
 
 struct BvhFile {
-  std::uint32_t flags = 0;
+  bool split = false;  // some triangles are in several leaves
   std::uint32_t depth = 0;
   std::vector<gpu::PageNode> nodes;     // node 0 is the root; children lie behind their parents
   std::vector<std::uint32_t> order;     // by position; with spatial splits a triangle may come several times
   std::vector<std::uint32_t> clusters;  // ascending from 0
+  ZoneAppearance appearance;
 };
-
-// Bytes of a `.zbvh` with these counts.
-[[nodiscard]] constexpr std::uint64_t bvh_file_bytes(std::uint64_t nodes, std::uint64_t references,
-                                                     std::uint64_t clusters) {
-  return sizeof(BvhFileHeader) + sizeof(gpu::PageNode) * nodes + sizeof(std::uint32_t) * (references + clusters);
-}
 
 std::vector<std::byte> encode_bvh_file(const BvhFile& bvh);
 Result<BvhFile> decode_bvh_file(std::span<const std::byte> bytes, const std::string& path);
@@ -79,8 +104,8 @@ std::uint32_t decode_scratch_bound(const NodeRecord& node, std::uint64_t glb_byt
 std::uint32_t bvh_scratch_bytes(const NodeRecord& node);
 
 // The check alone, for pages from anywhere, in one linear pass: every reference in range, every node and triangle
-// position reached once, depth, every box contains its children and triangles, materials in range. After it, a traversal
-// with a stack for the page's depth stays in the page and ends.
+// position reached once, depth, every box contains its children and triangles, materials in range. After it, a
+// traversal with a stack for the page's depth stays in the page and ends.
 Status verify_page(std::span<const std::uint32_t> page, std::uint32_t material_count, const std::string& path);
 
 }  // namespace zc

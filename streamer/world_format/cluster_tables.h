@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a cluster of a page numbers in 8 bits: its distinct vertices and, in a window of the page's palette, its
-// materials. Numbers go by first use. The baker closes a cluster where one of them is full; the loader fills them again.
-// Threads: one at a time.
+// materials or looks. Numbers go by first use. The baker closes a cluster where one of them is full; the loader fills
+// them again. Threads: one at a time.
 #pragma once
 
 #include <array>
@@ -42,23 +42,23 @@ class ClusterVertices {
   std::array<std::uint16_t, 1024> slots_ = {};  // number + 1; at most a quarter full
 };
 
-class ClusterMaterials {
+class ClusterPalette {
  public:
-  void clear() { materials_.clear(); }
-  [[nodiscard]] const std::vector<std::uint16_t>& materials() const { return materials_; }
+  void clear() { entries_.clear(); }
+  [[nodiscard]] const std::vector<std::uint16_t>& entries() const { return entries_; }
 
   // Few and mostly in runs: the last one found is tried first.
-  std::optional<std::uint32_t> add(std::uint16_t material) {
-    if (last_ < materials_.size() && materials_[last_] == material) return last_;
-    for (last_ = 0; last_ < materials_.size(); ++last_)
-      if (materials_[last_] == material) return last_;
-    if (materials_.size() == gpu::kPaletteMax) return {};
-    materials_.push_back(material);
+  std::optional<std::uint32_t> add(std::uint16_t entry) {
+    if (last_ < entries_.size() && entries_[last_] == entry) return last_;
+    for (last_ = 0; last_ < entries_.size(); ++last_)
+      if (entries_[last_] == entry) return last_;
+    if (entries_.size() == gpu::kPaletteMax) return {};
+    entries_.push_back(entry);
     return last_;
   }
 
  private:
-  std::vector<std::uint16_t> materials_;
+  std::vector<std::uint16_t> entries_;
   std::uint32_t last_ = 0;
 };
 

@@ -14,10 +14,12 @@ namespace {
 class PageAssembly {
  public:
   PageAssembly(const ZoneMesh& mesh, const BvhFile& bvh, const NodeRecord& node, const std::string& path)
-      : mesh_(mesh), bvh_(bvh), node_(node), path_(path) {}
+      : mesh_(mesh), bvh_(bvh), look_(bvh.appearance), node_(node), path_(path) {}
 
   Result<std::vector<std::uint32_t>> run() {
     ZC_TRY(check_order());
+    ZC_TRY(check_appearance());
+    flags_ = (bvh_.split ? gpu::kPageSplitTriangles : 0) | look_.page_flags();
     page_.reserve(node_.page_bytes / 4);
     page_.resize(gpu::kPageHeaderWords + bvh_.nodes.size() * gpu::kPageNodeWords);
     std::vector<std::uint32_t> cluster_at(bvh_.clusters.size());
@@ -29,7 +31,7 @@ class PageAssembly {
     close_window();
     gpu::PageHeader header{};
     header.magic = gpu::kPageMagic;
-    header.flags = bvh_.flags;
+    header.flags = flags_;
     header.node_count = static_cast<std::uint32_t>(bvh_.nodes.size());
     header.triangle_count = static_cast<std::uint32_t>(bvh_.order.size());
     header.cluster_count = static_cast<std::uint32_t>(cluster_at.size());
@@ -38,13 +40,19 @@ class PageAssembly {
     for (std::size_t c = 0; c < cluster_at.size(); ++c) page_.insert(page_.end(), {bvh_.clusters[c], cluster_at[c]});
     header.palette_offset_words = words();
     header.palette_count = static_cast<std::uint32_t>(palette_.size());
-    append_halves(palette_);
+    append_palette();
+    if (!look_.atlas.empty()) {
+      header.atlas_offset_words = words();
+      header.atlas_size = look_.atlas_size;
+      header.texels_per_step = look_.texels_per_step;
+      page_.insert(page_.end(), look_.atlas.begin(), look_.atlas.end());
+    }
     align();
     header.total_words = words();
     std::memcpy(page_.data(), &header, sizeof header);
     for (std::size_t c = 0; c < cluster_at.size(); ++c)
       page_[cluster_at[c] + offsetof(gpu::ClusterHeader, palette_words) / 4] =
-          header.palette_offset_words + window[c] / 2 - cluster_at[c];
+          header.palette_offset_words + (has_looks() ? 2 * window[c] : window[c] / 2) - cluster_at[c];
     ZC_TRY(place_nodes(cluster_at));
     return std::move(page_);
   }
@@ -65,14 +73,49 @@ class PageAssembly {
       page_[at + i / 2] |= static_cast<std::uint32_t>(values[i]) << (16 * (i % 2));
   }
 
+  [[nodiscard]] bool has_looks() const { return !look_.looks.empty(); }
+
+  // What a triangle's place in the palette stands for.
+  [[nodiscard]] std::uint16_t palette_entry(std::uint32_t triangle) const {
+    return has_looks() ? look_.look_of[triangle] : mesh_.materials[triangle];
+  }
+
+  void append_palette() {
+    if (!has_looks()) return append_halves(palette_);
+    for (const std::uint16_t entry : palette_)
+      page_.insert(page_.end(), {look_.looks[entry].material, look_.looks[entry].place});
+  }
+
+  // Every part is there for all triangles or for none, and says of a triangle's material what the mesh says.
+  Status check_appearance() const {
+    const std::size_t triangles = mesh_.triangles.size();
+    if (look_.look_of.size() != (has_looks() ? triangles : 0)) return fault("not every triangle has a look");
+    for (std::size_t t = 0; t < look_.look_of.size(); ++t) {
+      if (look_.look_of[t] >= look_.looks.size()) return fault("a triangle's look is out of range");
+      if ((look_.looks[look_.look_of[t]].material & 0xFFFFU) != mesh_.materials[t])
+        return fault("a triangle's look has another material");
+    }
+    if (!look_.light.empty() && look_.light.size() != triangles) return fault("not every triangle has light");
+    if (look_.normals.size() != look_.curved.size()) return fault("curved triangles and normals differ in number");
+    for (std::size_t i = 0; i < look_.curved.size(); ++i)
+      if (look_.curved[i] >= triangles || (i > 0 && look_.curved[i] <= look_.curved[i - 1]))
+        return fault("the curved triangles are not in order");
+    return {};
+  }
+
+  [[nodiscard]] gpu::TriangleNormals normals_of(std::uint32_t triangle) const {
+    const auto found = std::ranges::lower_bound(look_.curved, triangle);
+    if (found == look_.curved.end() || *found != triangle) return {};
+    return look_.normals[static_cast<std::size_t>(found - look_.curved.begin())];
+  }
+
   // Every triangle has a place, and more than one only where the file says so.
   Status check_order() const {
     std::vector<bool> seen(mesh_.triangles.size());
-    const bool split = (bvh_.flags & gpu::kPageSplitTriangles) != 0;
     std::size_t missing = seen.size();
     for (const std::uint32_t triangle : bvh_.order) {
       if (triangle >= seen.size()) return fault("the triangle order leaves the mesh");
-      if (seen[triangle] && !split) return fault("a triangle comes twice");
+      if (seen[triangle] && !bvh_.split) return fault("a triangle comes twice");
       missing -= seen[triangle] ? 0 : 1;
       seen[triangle] = true;
     }
@@ -83,11 +126,11 @@ class PageAssembly {
     return {};
   }
 
-  // Clusters share windows of the palette as long as 256 materials last.
+  // Clusters share windows of the palette as long as 256 entries last.
   void close_window() {
-    palette_.insert(palette_.end(), materials_.materials().begin(), materials_.materials().end());
+    palette_.insert(palette_.end(), entries_.entries().begin(), entries_.entries().end());
     if (palette_.size() % 2 != 0) palette_.push_back(palette_.back());
-    materials_.clear();
+    entries_.clear();
   }
 
   Status append_cluster(std::uint32_t c, std::uint32_t& window) {
@@ -96,13 +139,13 @@ class PageAssembly {
     const auto all_fit = [&] {
       return std::all_of(bvh_.order.begin() + static_cast<std::ptrdiff_t>(first),
                          bvh_.order.begin() + static_cast<std::ptrdiff_t>(end),
-                         [&](std::uint32_t t) { return materials_.add(mesh_.materials[t]).has_value(); });
+                         [&](std::uint32_t t) { return entries_.add(palette_entry(t)).has_value(); });
     };
-    ClusterMaterials before = materials_;
+    ClusterPalette before = entries_;
     if (!all_fit()) {
-      materials_ = std::move(before);
+      entries_ = std::move(before);
       close_window();
-      if (!all_fit()) return fault("a cluster has more than 256 materials");
+      if (!all_fit()) return fault("a cluster has more than 256 materials or looks");
     }
     window = static_cast<std::uint32_t>(palette_.size());
 
@@ -111,7 +154,7 @@ class PageAssembly {
     vertices_.clear();
     for (std::size_t i = first; i < end; ++i) {
       const std::uint32_t triangle = bvh_.order[i];
-      std::uint32_t word = *materials_.add(mesh_.materials[triangle]) << 24;
+      std::uint32_t word = *entries_.add(palette_entry(triangle)) << 24;
       for (std::size_t k = 0; k < 3; ++k) {
         const auto number = vertices_.add(mesh_.vertices[mesh_.triangles[triangle][k]]);
         if (!number) return fault("a cluster has more than 256 vertices");
@@ -122,6 +165,7 @@ class PageAssembly {
     for (const ClusterVertices::Vertex& v : vertices_.vertices()) flat_.insert(flat_.end(), v.begin(), v.end());
     append_halves(flat_);
     flat_.clear();
+    const std::uint32_t flags = append_attributes(first, end);
     align();
     gpu::ClusterHeader header{};
     header.origin_x = node_.origin[0];
@@ -129,12 +173,36 @@ class PageAssembly {
     header.origin_z = node_.origin[2];
     if (end - first > gpu::kClusterMaxTriangles) return fault("a cluster has too many triangles");
     header.counts = static_cast<std::uint32_t>(vertices_.vertices().size()) |
-                    static_cast<std::uint32_t>(end - first) << 9 | node_.step_shift << 27;
+                    static_cast<std::uint32_t>(end - first) << gpu::kClusterVertexBits | flags |
+                    node_.step_shift << gpu::kClusterShiftBit;
     header.error_m = node_.error_max_m;
     header.page_back_words = static_cast<std::uint32_t>(at);
     header.first_triangle = static_cast<std::uint32_t>(first);
     std::memcpy(page_.data() + at, &header, sizeof header);
     return {};
+  }
+
+  // Light and normals of a cluster's triangles; returns its flags.
+  std::uint32_t append_attributes(std::size_t first, std::size_t end) {
+    std::uint32_t flags = has_looks() ? gpu::kClusterLooks : 0;
+    const std::span<const std::uint32_t> triangles(bvh_.order.data() + first, end - first);
+    const auto start = [&](std::uint32_t flag) {
+      flags |= flag;
+      if (page_.size() % 2 != 0) page_.push_back(0);
+    };
+    if (!look_.light.empty()) {
+      start(gpu::kClusterLight);
+      for (const std::uint32_t t : triangles) page_.insert(page_.end(), {look_.light[t].sky, look_.light[t].bounce});
+    }
+    const auto is_curved = [&](std::uint32_t t) { return std::ranges::binary_search(look_.curved, t); };
+    if (std::ranges::any_of(triangles, is_curved)) {
+      start(gpu::kClusterNormals);
+      for (const std::uint32_t t : triangles) {
+        const gpu::TriangleNormals n = normals_of(t);
+        page_.insert(page_.end(), {n.first_second, n.second_third});
+      }
+    }
+    return flags;
   }
 
   // From numbers in the file to distances in words.
@@ -143,14 +211,16 @@ class PageAssembly {
       gpu::PageNode node = bvh_.nodes[i];
       const auto at = static_cast<std::uint32_t>(PageView::node_word(i));
       if (inner_mask(node) != 0) {
-        if (node.child_offset <= i || node.child_offset >= bvh_.nodes.size()) return fault("a node's children are out of range");
+        if (node.child_offset <= i || node.child_offset >= bvh_.nodes.size())
+          return fault("a node's children are out of range");
         node.child_offset = (node.child_offset - i) * gpu::kPageNodeWords;
       } else if (node.child_offset != 0) {
         return fault("a node has children that it does not name");
       }
       if (leaf_mask(node) != 0) {
         const std::uint32_t c = node.cluster_offset;
-        if (c >= cluster_at.size() || node.triangle_offset < bvh_.clusters[c] || node.triangle_offset >= bvh_.order.size())
+        if (c >= cluster_at.size() || node.triangle_offset < bvh_.clusters[c] ||
+            node.triangle_offset >= bvh_.order.size())
           return fault("a node's triangles are out of range");
         node.triangle_offset = cluster_at[c] + gpu::kClusterHeaderWords + node.triangle_offset - bvh_.clusters[c] - at;
         node.cluster_offset = cluster_at[c] - at;
@@ -164,11 +234,13 @@ class PageAssembly {
 
   const ZoneMesh& mesh_;
   const BvhFile& bvh_;
+  const ZoneAppearance& look_;
   const NodeRecord& node_;
   const std::string& path_;
+  std::uint32_t flags_ = 0;
   std::vector<std::uint32_t> page_;
-  std::vector<std::uint16_t> palette_;
-  ClusterMaterials materials_;
+  std::vector<std::uint16_t> palette_;  // materials, or looks
+  ClusterPalette entries_;
   ClusterVertices vertices_;
   std::vector<std::uint16_t> flat_;
 };
@@ -217,7 +289,10 @@ Result<std::vector<std::uint32_t>> assemble_page(const ZoneMesh& mesh, const Bvh
   if (node.page_bytes != 0 && node.page_bytes != 4 * page.size())
     return Error{ErrorCode::kFormat, "the page is not as large as the index says", path};
   ZC_TRY(verify_page(page, material_count, path));
-  if ((bvh.flags & gpu::kPageSplitTriangles) != 0) ZC_TRY(check_split_boxes(page, bvh, mesh.triangles.size(), path));
+  const PageView::Parts expected = {node.look_bytes, node.light_bytes, node.normal_bytes, node.texture_bytes};
+  if (node.page_bytes != 0 && PageView(page).parts() != expected)
+    return Error{ErrorCode::kFormat, "the page has other looks than the index says", path};
+  if (bvh.split) ZC_TRY(check_split_boxes(page, bvh, mesh.triangles.size(), path));
   return page;
 }
 

@@ -43,6 +43,12 @@ class PageCheck {
  private:
   static constexpr std::size_t kWord(std::size_t byte) { return byte / sizeof(std::uint32_t); }
 
+  static constexpr std::uint32_t kClusterUnusedBits =
+      ((1U << gpu::kClusterShiftBit) - 1) & ~((1U << (gpu::kClusterVertexBits + gpu::kClusterTriangleBits)) - 1) &
+      ~(gpu::kClusterLight | gpu::kClusterNormals | gpu::kClusterLooks);
+
+  [[nodiscard]] bool has_looks() const { return (header_.flags & gpu::kPageLooks) != 0; }
+
   [[nodiscard]] Error fault(const char* cause, std::size_t word) const {
     return {ErrorCode::kFormat, std::string("page: ") + cause + " (word " + std::to_string(word) + ")", path_};
   }
@@ -53,17 +59,26 @@ class PageCheck {
     header_ = view_->header();
     const gpu::PageHeader& h = header_;
     if (h.magic != gpu::kPageMagic) return fault("wrong magic", 0);
-    if ((h.flags & ~gpu::kPageSplitTriangles) != 0) return fault("unknown flags", 1);
+    if ((h.flags & ~gpu::kPageFlags) != 0) return fault("unknown flags", 1);
     if (h.node_count == 0 || h.node_count > gpu::kPageMaxNodes) return fault("node count out of range", 2);
     if (h.triangle_count == 0 || h.triangle_count > gpu::kPageMaxTriangles)
       return fault("triangle count out of range", 3);
     if (h.cluster_count == 0 || h.cluster_count > h.triangle_count) return fault("cluster count out of range", 4);
     if (h.depth == 0 || h.depth > gpu::kPageMaxDepth) return fault("depth out of range", 8);
-    for (std::size_t word = 10; word < gpu::kPageHeaderWords; ++word)
+    for (std::size_t word = gpu::kPageAtlasWord + 3; word < gpu::kPageHeaderWords; ++word)
       if (page_[word] != 0) return fault("a reserved word is not zero", word);
     clusters_word_ = PageView::node_word(h.node_count);
-    const std::uint64_t palette_words = (std::uint64_t{h.palette_count} + 1) / 2;
-    const std::uint64_t end = h.palette_offset_words + palette_words;
+    const std::uint64_t palette_words =
+        has_looks() ? 2 * std::uint64_t{h.palette_count} : (std::uint64_t{h.palette_count} + 1) / 2;
+    std::uint64_t end = h.palette_offset_words + palette_words;
+    if (h.atlas_offset_words != 0) {
+      const AtlasShape atlas = AtlasShape::unpack(h.atlas_size);
+      if (!has_looks() || h.atlas_offset_words != end || !atlas.valid() || !std::isfinite(h.texels_per_step))
+        return fault("the atlas is not where it belongs", gpu::kPageAtlasWord);
+      end += atlas.words();
+    } else if (h.atlas_size != 0 || page_[gpu::kPageAtlasWord + 2] != 0) {
+      return fault("an atlas that is not there has a size", gpu::kPageAtlasWord + 1);
+    }
     if (h.entries_offset_words < clusters_word_ ||
         h.palette_offset_words != h.entries_offset_words + std::uint64_t{gpu::kClusterEntryWords} * h.cluster_count ||
         h.palette_count == 0)
@@ -85,7 +100,12 @@ class PageCheck {
       const auto cluster = page_record<gpu::ClusterHeader>(page_, at);
       const std::uint64_t triangles = cluster_triangles(cluster);
       const std::uint64_t vertices = cluster_vertices(cluster);
-      const std::uint64_t words = cluster_words(vertices, triangles);
+      const std::uint32_t flags = cluster.counts & (gpu::kClusterLight | gpu::kClusterNormals);
+      const std::uint64_t words = cluster_parts(vertices, triangles, flags).words;
+      if ((cluster.counts & kClusterUnusedBits) != 0 || ((cluster.counts & gpu::kClusterLooks) != 0) != has_looks() ||
+          ((flags & gpu::kClusterLight) != 0) != ((header_.flags & gpu::kPageLight) != 0) ||
+          ((flags & gpu::kClusterNormals) != 0 && (header_.flags & gpu::kPageNormals) == 0))
+        return fault("a cluster's flags are wrong", at + 3);
       if (triangles == 0 || triangles > gpu::kClusterMaxTriangles || vertices == 0 ||
           vertices > gpu::kClusterMaxVertices || at + words > header_.entries_offset_words)
         return fault("cluster out of range", at);
@@ -95,7 +115,10 @@ class PageCheck {
         return fault("a cluster does not know its place", at + 5);
       const std::uint64_t palette = at + cluster.palette_words;
       if (palette < header_.palette_offset_words) return fault("palette out of range", at + 7);
-      const std::uint64_t first = 2 * (palette - header_.palette_offset_words);
+      if (has_looks() && (palette - header_.palette_offset_words) % 2 != 0)
+        return fault("palette out of place", at + 7);
+      const std::uint64_t first =
+          has_looks() ? (palette - header_.palette_offset_words) / 2 : 2 * (palette - header_.palette_offset_words);
       for (std::uint64_t t = 0; t < triangles; ++t) {
         const std::size_t word = at + gpu::kClusterHeaderWords + t;
         const std::uint32_t packed = page_[word];
@@ -109,9 +132,19 @@ class PageCheck {
     }
     if (at != header_.entries_offset_words) return fault("clusters and entries do not meet", at);
     if (position != header_.triangle_count) return fault("the clusters have another number of triangles", 3);
+    return check_palette();
+  }
+
+  Status check_palette() const {
     for (std::uint32_t i = 0; i < header_.palette_count; ++i) {
-      const std::size_t word = header_.palette_offset_words + i / 2;
-      if ((page_[word] >> (16 * (i % 2)) & 0xFFFFU) >= material_count_) return fault("material out of range", word);
+      const std::size_t word = header_.palette_offset_words + (has_looks() ? 2 * i : i / 2);
+      const std::uint32_t material = has_looks() ? page_[word] & 0xFFFFU : page_[word] >> (16 * (i % 2)) & 0xFFFFU;
+      if (material >= material_count_) return fault("material out of range", word);
+      if (!has_looks()) continue;
+      const std::uint32_t kind = page_[word] >> 16 & 3U;
+      if (kind > gpu::kLookTextured || page_[word] >> 23 != 0) return fault("a look of unknown kind", word);
+      if (kind == gpu::kLookTextured && (header_.atlas_offset_words == 0 || (page_[word] >> 18 & 3U) > 2))
+        return fault("a look without its atlas", word);
     }
     return {};
   }

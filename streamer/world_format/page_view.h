@@ -3,6 +3,7 @@
 // Units: world lattice. Borrows the page. Thread-safe: no state.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -19,14 +20,58 @@ template <class Record>
   return record;
 }
 
-[[nodiscard]] inline std::uint32_t cluster_vertices(const gpu::ClusterHeader& c) { return c.counts & 0x1FFU; }
-[[nodiscard]] inline std::uint32_t cluster_triangles(const gpu::ClusterHeader& c) { return c.counts >> 9 & 0x3FFFFU; }
-[[nodiscard]] inline std::uint32_t cluster_shift(const gpu::ClusterHeader& c) { return c.counts >> 27; }
-// Words of a cluster, with its padding.
-[[nodiscard]] constexpr std::uint64_t cluster_words(std::uint64_t vertices, std::uint64_t triangles) {
-  const std::uint64_t words = gpu::kClusterHeaderWords + triangles + (3 * vertices + 1) / 2;
-  return (words + gpu::kPageAlignWords - 1) / gpu::kPageAlignWords * gpu::kPageAlignWords;
+[[nodiscard]] inline std::uint32_t cluster_vertices(const gpu::ClusterHeader& c) {
+  return gpu::cluster_vertices(c.counts);
 }
+[[nodiscard]] inline std::uint32_t cluster_triangles(const gpu::ClusterHeader& c) {
+  return gpu::cluster_triangles(c.counts);
+}
+[[nodiscard]] inline std::uint32_t cluster_shift(const gpu::ClusterHeader& c) {
+  return c.counts >> gpu::kClusterShiftBit;
+}
+// Words of each part of a cluster; `counts` as in its header.
+struct ClusterParts {
+  std::uint64_t triangles;  // from the header on
+  std::uint64_t light;
+  std::uint64_t normals;
+  std::uint64_t words;  // with the padding
+};
+[[nodiscard]] constexpr ClusterParts cluster_parts(std::uint64_t vertices, std::uint64_t triangles,
+                                                   std::uint32_t flags) {
+  ClusterParts parts{};
+  parts.triangles = gpu::kClusterHeaderWords;
+  parts.light = (parts.triangles + triangles + (3 * vertices + 1) / 2 + 1) / 2 * 2;
+  parts.normals = parts.light + ((flags & gpu::kClusterLight) != 0 ? 2 * triangles : 0);
+  const std::uint64_t end = parts.normals + ((flags & gpu::kClusterNormals) != 0 ? 2 * triangles : 0);
+  parts.words = (end + gpu::kPageAlignWords - 1) / gpu::kPageAlignWords * gpu::kPageAlignWords;
+  return parts;
+}
+
+// Of an atlas in a page or a file. Sizes come from anywhere: check before use.
+struct AtlasShape {
+  std::uint32_t width_log2 = 0;
+  std::uint32_t height_log2 = 0;
+  std::uint32_t levels = 0;
+
+  [[nodiscard]] static constexpr AtlasShape unpack(std::uint32_t size) {
+    return {size & 0xFFU, size >> 8 & 0xFFU, size >> 16};
+  }
+  [[nodiscard]] constexpr std::uint32_t pack() const { return width_log2 | height_log2 << 8 | levels << 16; }
+  // Every level has whole blocks.
+  [[nodiscard]] constexpr bool valid() const {
+    return width_log2 >= gpu::kAtlasMinLog2 && height_log2 >= gpu::kAtlasMinLog2 && width_log2 <= gpu::kAtlasMaxLog2 &&
+           height_log2 <= gpu::kAtlasMaxLog2 && levels >= 1 && levels <= gpu::kAtlasMaxLevels &&
+           std::min(width_log2, height_log2) + 1 >= gpu::kAtlasMinLog2 + levels;
+  }
+  [[nodiscard]] constexpr std::uint32_t level_words(std::uint32_t level) const {
+    return 2U << (width_log2 + height_log2 - 4 - 2 * level);
+  }
+  [[nodiscard]] constexpr std::uint32_t words() const {
+    std::uint32_t sum = 0;
+    for (std::uint32_t level = 0; level < levels; ++level) sum += level_words(level);
+    return sum;
+  }
+};
 
 class PageView {
  public:
@@ -34,15 +79,14 @@ class PageView {
   struct Triangle {
     std::array<Point, 3> corners;
     std::uint16_t material;
+    gpu::Look look;  // plain where the page has no looks
   };
 
   explicit PageView(std::span<const std::uint32_t> page)
       : page_(page), header_(page_record<gpu::PageHeader>(page, 0)) {}
 
   [[nodiscard]] const gpu::PageHeader& header() const { return header_; }
-  [[nodiscard]] gpu::PageNode node(std::uint32_t i) const {
-    return page_record<gpu::PageNode>(page_, node_word(i));
-  }
+  [[nodiscard]] gpu::PageNode node(std::uint32_t i) const { return page_record<gpu::PageNode>(page_, node_word(i)); }
   [[nodiscard]] static std::size_t node_word(std::uint32_t i) {
     return gpu::kPageHeaderWords + std::size_t{i} * gpu::kPageNodeWords;
   }
@@ -55,6 +99,27 @@ class PageView {
     const gpu::PageNode n = node(i);
     const auto cluster = page_record<gpu::ClusterHeader>(page_, node_word(i) + n.cluster_offset);
     return cluster.first_triangle + n.triangle_offset - n.cluster_offset - gpu::kClusterHeaderWords;
+  }
+
+  // What a page holds only where the zone needs it.
+  struct Parts {
+    std::uint32_t look_bytes = 0;
+    std::uint32_t light_bytes = 0;
+    std::uint32_t normal_bytes = 0;
+    std::uint32_t texture_bytes = 0;
+    bool operator==(const Parts&) const = default;
+  };
+  [[nodiscard]] Parts parts() const {
+    Parts parts;
+    if ((header_.flags & gpu::kPageLooks) != 0) parts.look_bytes = sizeof(gpu::Look) * header_.palette_count;
+    if (header_.atlas_offset_words != 0) parts.texture_bytes = 4 * AtlasShape::unpack(header_.atlas_size).words();
+    for (std::uint32_t c = 0; c < header_.cluster_count; ++c) {
+      const auto cluster = page_record<gpu::ClusterHeader>(page_, entry(c).offset_words);
+      const auto bytes = static_cast<std::uint32_t>(sizeof(gpu::TriangleLight) * cluster_triangles(cluster));
+      if ((cluster.counts & gpu::kClusterLight) != 0) parts.light_bytes += bytes;
+      if ((cluster.counts & gpu::kClusterNormals) != 0) parts.normal_bytes += bytes;
+    }
+    return parts;
   }
 
   [[nodiscard]] Triangle triangle(std::uint32_t position) const {
@@ -74,10 +139,18 @@ class PageView {
     for (std::size_t corner = 0; corner < 3; ++corner) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::uint32_t offset = half_word(vertices, 3 * (word >> (8 * corner) & 0xFFU) + axis);
-        out.corners[corner][axis] = static_cast<std::int32_t>(origin[axis] + (std::int64_t{offset} << cluster_shift(cluster)));
+        out.corners[corner][axis] =
+            static_cast<std::int32_t>(origin[axis] + (std::int64_t{offset} << cluster_shift(cluster)));
       }
     }
-    out.material = static_cast<std::uint16_t>(half_word(at + cluster.palette_words, word >> 24));
+    const std::size_t palette = at + cluster.palette_words;
+    if ((header_.flags & gpu::kPageLooks) != 0) {
+      out.look = page_record<gpu::Look>(page_, palette + 2 * std::size_t{word >> 24});
+      out.material = static_cast<std::uint16_t>(out.look.material);
+    } else {
+      out.material = static_cast<std::uint16_t>(half_word(palette, word >> 24));
+      out.look.material = out.material;
+    }
     return out;
   }
 

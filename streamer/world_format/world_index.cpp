@@ -23,6 +23,11 @@ constexpr std::uint32_t kMaxStepShift = 15;
 constexpr std::uint64_t kReferencesMost = 2;  // spatial splits at most double a zone's triangles
 // Three vertices, two words of palette, a cluster's header and entry with their padding.
 constexpr std::uint64_t kWordsPerReferenceMost = 5 + 2 + gpu::kClusterHeaderWords + gpu::kClusterEntryWords + 6;
+constexpr std::uint64_t kTextureBytesMost = (2ULL << (2 * gpu::kAtlasMaxLog2)) / 3;  // BC1 with all its levels
+constexpr std::uint64_t kLookFileBytesMost = sizeof(gpu::Look) * std::uint64_t{kZoneLooksMax};
+// Which look, light, normals and whose they are.
+constexpr std::uint64_t kLookFileBytesPerTriangle =
+    4 + sizeof(gpu::TriangleLight) + sizeof(gpu::TriangleNormals) + sizeof(std::uint32_t);
 constexpr std::uint64_t kMaxFileBytes = 0xFFFFFFFFULL;  // a GLB's own length field has 32 bits
 
 // One node's place and cause, for an Error.
@@ -76,7 +81,8 @@ Status check_tree(const std::vector<NodeRecord>& nodes, const std::string& path)
 }
 
 Status check_counts(const NodeRecord& node, const Fault& fault) {
-  if (node.triangle_count == 0 || node.triangle_count > gpu::kPageMaxTriangles) return fault("triangle count out of range");
+  if (node.triangle_count == 0 || node.triangle_count > gpu::kPageMaxTriangles)
+    return fault("triangle count out of range");
   if (node.vertex_count == 0 || node.vertex_count > 3ULL * node.triangle_count)
     return fault("vertex count out of range");
   if (node.primitive_count == 0 || node.primitive_count > node.triangle_count)
@@ -87,16 +93,21 @@ Status check_counts(const NodeRecord& node, const Fault& fault) {
   if (node.bvh_node_count == 0 || node.bvh_node_count > node.reference_count)
     return fault("BVH node count out of range");
   if (node.bvh_depth == 0 || node.bvh_depth > gpu::kPageMaxDepth) return fault("BVH depth out of range");
-  const std::uint64_t clusters_most = node.reference_count;
-  if (node.bvh_bytes < bvh_file_bytes(node.bvh_node_count, node.reference_count, 1) ||
-      node.bvh_bytes > bvh_file_bytes(node.bvh_node_count, node.reference_count, clusters_most))
+  const std::uint64_t looks =
+      std::uint64_t{node.look_bytes} + node.light_bytes + node.normal_bytes + node.texture_bytes;
+  const std::uint64_t bvh_least = sizeof(BvhFileHeader) + std::uint64_t{sizeof(gpu::PageNode)} * node.bvh_node_count +
+                                  sizeof(std::uint32_t) * (std::uint64_t{node.reference_count} + 1) +
+                                  node.texture_bytes;
+  const std::uint64_t bvh_most = bvh_least + sizeof(std::uint32_t) * std::uint64_t{node.reference_count} +
+                                 (looks > 0 ? kLookFileBytesMost + kLookFileBytesPerTriangle * node.triangle_count : 0);
+  if (node.bvh_bytes < bvh_least || node.bvh_bytes > bvh_most || node.texture_bytes > kTextureBytesMost)
     return fault("BVH file size does not follow from its counts");
   // What a page holds beside nodes and triangles depends on how the clusters share vertices; assembling it tells.
-  const std::uint64_t words_least =
-      std::uint64_t{gpu::kPageHeaderWords} + std::uint64_t{gpu::kPageNodeWords} * node.bvh_node_count +
-      gpu::kClusterHeaderWords + gpu::kClusterEntryWords + node.reference_count;
+  const std::uint64_t words_least = std::uint64_t{gpu::kPageHeaderWords} +
+                                    std::uint64_t{gpu::kPageNodeWords} * node.bvh_node_count +
+                                    gpu::kClusterHeaderWords + gpu::kClusterEntryWords + node.reference_count;
   if (node.page_bytes % (4 * gpu::kPageAlignWords) != 0 || node.page_bytes < 4 * words_least ||
-      node.page_bytes > 4 * (words_least + kWordsPerReferenceMost * node.reference_count))
+      node.page_bytes > 4 * (words_least + kWordsPerReferenceMost * node.reference_count) + looks)
     return fault("page size does not follow from its counts");
   if (node.glb_bytes < 20 || node.glb_bytes > kMaxFileBytes) return fault("GLB size out of range");
   return {};

@@ -23,7 +23,7 @@
 namespace zc {
 
 inline constexpr std::array<char, 8> kWorldMagic = {'Z', 'C', 'W', 'O', 'R', 'L', 'D', '\n'};
-inline constexpr std::uint32_t kWorldVersion = 2;
+inline constexpr std::uint32_t kWorldVersion = 3;
 inline constexpr std::int32_t kDefaultStepLog2 = -8;
 inline constexpr const char* kWorldIndexName = "world.zcw";
 
@@ -77,6 +77,11 @@ struct NodeRecord {
   // different, to where the look is right. At least as fine as the geometry's error when windows vanish in a flat wall.
   float appearance_error_m = 0;
   std::uint32_t reference_count = 0;  // triangles in leaves: at least triangle_count, more with spatial splits
+  // Of page_bytes, what is there for the looks only where the zone needs it.
+  std::uint32_t look_bytes = 0;  // charts: what stands for texture coordinates
+  std::uint32_t light_bytes = 0;
+  std::uint32_t normal_bytes = 0;
+  std::uint32_t texture_bytes = 0;
   std::uint64_t glb_bytes = 0;
   std::uint64_t bvh_bytes = 0;
   std::uint64_t glb_xxh3 = 0;
@@ -86,7 +91,7 @@ struct NodeRecord {
   // What decides whether the node is fine enough for a viewer.
   [[nodiscard]] float visible_error_m() const { return std::max(error_max_m, appearance_error_m); }
 };
-static_assert(sizeof(NodeRecord) == 152);
+static_assert(sizeof(NodeRecord) == 168);
 
 struct MaterialRecord {
   std::array<float, 3> base_color = {0.8F, 0.8F, 0.8F};  // linear

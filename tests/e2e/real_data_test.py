@@ -39,8 +39,8 @@ class Bayreuth(support.Case):
         self.zonecast("inspect", self.world, "--verify")
 
     def test_every_frame_stays_under_the_cap_and_pages_the_same_at_any_thread_count(self):
-        # Under 2 MiB little more than the root fits; 4 MiB is where zones come and go.
-        for cap, evicts in (("2MiB", False), ("4MiB", True)):
+        # Under 2 MiB little more than the root fits; 3 MiB is where zones come and go.
+        for cap, evicts in (("2MiB", False), ("3MiB", True)):
             for more in ((), ("--source-latency", "50ms", "--source-bandwidth", "20MB/s")):
                 with self.subTest(cap=cap, more=more):
                     runs = [self.page("paged", "--cap", cap, "--clock", "virtual", "--threads", threads, *more)

@@ -72,7 +72,7 @@ class PageAudit {
   void read_triangle(std::uint32_t cluster, std::uint32_t triangle) {
     if ((cluster - base_) % gpu::kPageAlignWords != 0) fault_ = "a cluster is not aligned";
     for (std::uint32_t i = 0; i < gpu::kClusterHeaderWords; ++i) read(cluster + i, "cluster");
-    const std::uint32_t vertices = cluster + gpu::kClusterHeaderWords + (read(cluster + 3, "cluster") >> 9 & 0x3FFFFU);
+    const std::uint32_t vertices = cluster + gpu::kClusterHeaderWords + (read(cluster + 3, "cluster") >> 9 & 0x3FFU);
     const std::uint32_t corners = read(triangle, "triangle");
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t first = vertices + (3 * (corners >> (8 * k) & 0xFFU)) / 2;

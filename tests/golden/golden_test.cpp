@@ -62,6 +62,18 @@ BvhFile make_bvh() {
   below.triangle_offset = 2;
   below.cluster_offset = 1;
   bvh.nodes = {root, below};
+
+  // The ground from the atlas, seen from above, and the middle triangle in its own colour, with curved corners.
+  ZoneAppearance& look = bvh.appearance;
+  look.looks = {{0U | gpu::kLookTextured << 16U | 2U << 18U | 1U << 20U, 0xFFFD0004U},
+                {1U | gpu::kLookColor << 16U, 0x00804020U}};
+  look.look_of = {0, 1, 0};
+  look.light = {{0x40FF8000U, 0x12345678U}, {0x00FFFFFFU, 0}, {0x00808080U, 0x00ABCDEFU}};
+  look.curved = {1};
+  look.normals = {{0x1FF7FDFFU, 0x3FEFF9FEU}};
+  look.atlas_size = AtlasShape{3, 2, 1}.pack();
+  look.texels_per_step = 0.0625F;
+  look.atlas = {0x07E0F800U, 0x1B1B1B1BU, 0xFFFF0000U, 0xE4E4E4E4U};
   return bvh;
 }
 
@@ -77,11 +89,15 @@ NodeRecord make_node() {
   node.bvh_node_count = 2;
   node.bvh_depth = 2;
   node.reference_count = 3;
-  node.page_bytes = 4 * (16 + 2 * 20 + 16 + 16 + 4 + 4);
+  node.page_bytes = 4 * (16 + 2 * 20 + (16 + 4) + (8 + 1 + 5 + 2 + 2 + 2) + 4 + 4 + 4);
   node.scratch_bytes = 123456;
   node.primitive_count = 2;
+  node.look_bytes = 2 * 8;
+  node.light_bytes = 3 * 8;
+  node.normal_bytes = 8;
+  node.texture_bytes = 16;
   node.glb_bytes = 4321;
-  node.bvh_bytes = 24 + 2 * 80 + 3 * 4 + 2 * 4;
+  node.bvh_bytes = 48 + 2 * 80 + 3 * 4 + 2 * 4 + 2 * 8 + 2 * 4 + 3 * 8 + 4 + 8 + 4 * 4;
   node.glb_xxh3 = 0x0123456789ABCDEFULL;
   node.bvh_xxh3 = 0xFEDCBA9876543210ULL;
   return node;
@@ -121,11 +137,11 @@ WorldIndex make_index() {
   return index;
 }
 
-TEST(Golden, WorldIndexVersion2) {
-  static_assert(kWorldVersion == 2, "a new version needs a new file beside world_v2.zcw");
+TEST(Golden, WorldIndexVersion3) {
+  static_assert(kWorldVersion == 3, "a new version needs a new file beside world_v3.zcw");
   const WorldIndex expected = make_index();
-  const auto bytes = golden("world_v2.zcw", encode_world_index(expected));
-  const auto index = decode_world_index(bytes, "world_v2.zcw");
+  const auto bytes = golden("world_v3.zcw", encode_world_index(expected));
+  const auto index = decode_world_index(bytes, "world_v3.zcw");
   ASSERT_TRUE(index.ok()) << index.error().describe();
   EXPECT_EQ(index->header.anchor, expected.header.anchor);
   EXPECT_EQ(index->header.bounds_min, expected.header.bounds_min);
@@ -142,29 +158,33 @@ TEST(Golden, WorldIndexVersion2) {
   EXPECT_EQ(node_file(index->nodes[3], "glb"), "zones/1/1_0.detail.glb");
 }
 
-TEST(Golden, BvhFileVersion2) {
-  static_assert(BvhFileHeader{}.magic[3] == '2', "a new version needs a new file beside bvh_v2.zbvh");
+TEST(Golden, BvhFileVersion3) {
+  static_assert(BvhFileHeader{}.magic[3] == '3', "a new version needs a new file beside bvh_v3.zbvh");
   const BvhFile expected = make_bvh();
-  const auto bytes = golden("bvh_v2.zbvh", encode_bvh_file(expected));
-  const auto bvh = decode_bvh_file(bytes, "bvh_v2.zbvh");
+  const auto bytes = golden("bvh_v3.zbvh", encode_bvh_file(expected));
+  const auto bvh = decode_bvh_file(bytes, "bvh_v3.zbvh");
   ASSERT_TRUE(bvh.ok()) << bvh.error().describe();
   EXPECT_EQ(bvh->depth, expected.depth);
   EXPECT_EQ(bvh->order, expected.order);
   ASSERT_EQ(bvh->nodes.size(), expected.nodes.size());
   EXPECT_EQ(bvh->clusters, expected.clusters);
+  EXPECT_EQ(bvh->appearance.look_of, expected.appearance.look_of);
+  EXPECT_EQ(bvh->appearance.curved, expected.appearance.curved);
+  EXPECT_EQ(bvh->appearance.atlas, expected.appearance.atlas);
+  EXPECT_EQ(bvh->appearance.texels_per_step, 0.0625F);
   EXPECT_EQ(std::memcmp(bvh->nodes.data(), expected.nodes.data(), expected.nodes.size() * sizeof(gpu::PageNode)), 0);
 }
 
-TEST(Golden, PageVersion2) {
-  static_assert(gpu::kPageMagic >> 24U == '2', "a new version needs a new file beside page_v2.bin");
+TEST(Golden, PageVersion3) {
+  static_assert(gpu::kPageMagic >> 24U == '3', "a new version needs a new file beside page_v3.bin");
   const auto page = assemble_page(make_mesh(), make_bvh(), make_node(), kMaterials, "page");
   ASSERT_TRUE(page.ok()) << page.error().describe();
   const auto now = std::as_bytes(std::span(*page));
-  const auto bytes = golden("page_v2.bin", {now.begin(), now.end()});
+  const auto bytes = golden("page_v3.bin", {now.begin(), now.end()});
   ASSERT_EQ(bytes.size(), make_node().page_bytes);
   std::vector<std::uint32_t> words(bytes.size() / 4);
   std::memcpy(words.data(), bytes.data(), bytes.size());
-  EXPECT_TRUE(verify_page(words, kMaterials, "page_v2.bin").ok());
+  EXPECT_TRUE(verify_page(words, kMaterials, "page_v3.bin").ok());
   const PageView view(words);
   EXPECT_EQ(view.header().node_count, 2U);
   EXPECT_EQ(view.header().triangle_count, 3U);
@@ -176,6 +196,8 @@ TEST(Golden, PageVersion2) {
   EXPECT_EQ(last.corners[1], (PageView::Point{65535, 40000, 300}));
   EXPECT_EQ(last.corners[2], (PageView::Point{60000, 65535, 65535}));
   EXPECT_EQ(last.material, 1U);
+  EXPECT_EQ(last.look.place, 0x00804020U);
+  EXPECT_EQ(view.triangle(0).look.material, 0U | gpu::kLookTextured << 16U | 2U << 18U | 1U << 20U);
   EXPECT_EQ(view.triangle(1).material, 0U);
 }
 

@@ -57,7 +57,7 @@ void expect_valid(ZoneMesh mesh, BvhBuildOptions options = {}) {
   record.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
   const auto tree = build_wide_bvh(bvh_triangles(mesh), options);
   ASSERT_TRUE(tree.ok()) << tree.error().describe();
-  const BvhFile bvh = lay_out_bvh(*tree, mesh, record);
+  const BvhFile bvh = lay_out_bvh(*tree, mesh, {}, record);
   record.reference_count = static_cast<std::uint32_t>(bvh.order.size());
   record.bvh_node_count = static_cast<std::uint32_t>(bvh.nodes.size());
   record.bvh_depth = bvh.depth;
@@ -174,7 +174,7 @@ TEST(WideBvh, AClusterEndsWhereVerticesOrMaterialsRunOut) {
   record.triangle_count = 3000;
   const auto tree = build_wide_bvh(bvh_triangles(colourful), {});
   ASSERT_TRUE(tree.ok());
-  const BvhFile bvh = lay_out_bvh(*tree, colourful, record);
+  const BvhFile bvh = lay_out_bvh(*tree, colourful, {}, record);
   EXPECT_GE(bvh.clusters.size(), 3000U / gpu::kPaletteMax);
   record.reference_count = 3000;
   record.bvh_node_count = static_cast<std::uint32_t>(bvh.nodes.size());
@@ -368,7 +368,7 @@ TEST(WideBvh, ClustersHoldNoMoreTrianglesThanAHitCanNumber) {
   record.triangle_count = static_cast<std::uint32_t>(fan.triangles.size());
   const auto tree = build_wide_bvh(bvh_triangles(fan), {});
   ASSERT_TRUE(tree.ok());
-  const BvhFile bvh = lay_out_bvh(*tree, fan, record);
+  const BvhFile bvh = lay_out_bvh(*tree, fan, {}, record);
   ASSERT_GT(bvh.clusters.size(), 2U);
   for (std::size_t c = 0; c < bvh.clusters.size(); ++c) {
     const std::size_t end = c + 1 < bvh.clusters.size() ? bvh.clusters[c + 1] : bvh.order.size();

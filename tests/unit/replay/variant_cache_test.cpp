@@ -54,7 +54,7 @@ TEST_F(VariantCache, ANewDriverTakesTheOldOnesPlace) {
 TEST_F(VariantCache, EntriesOfOtherVersionsDoNotHold) {
   ASSERT_TRUE(write_cached_variant(file_, kHere, kSlow).ok());
   for (const auto& [ours, theirs] :
-       {std::pair<std::string, std::string>{"\"" ZONECAST_VERSION "\"", "\"0.0.1\""}, {"\"ZPG2\"", "\"ZPG1\""}}) {
+       {std::pair<std::string, std::string>{"\"" ZONECAST_VERSION "\"", "\"0.0.1\""}, {"\"ZPG3\"", "\"ZPG1\""}}) {
     std::string old = text();
     const std::string now = old;
     ASSERT_NE(old.find(ours), std::string::npos) << old;

@@ -212,11 +212,15 @@ TEST(Page, check_finds_wrong_boxes_references_depths_and_materials) {
     return !verify_page(page, 2, "p").ok();
   };
   EXPECT_TRUE(refused(0, 0));            // magic
-  EXPECT_TRUE(refused(1, 2));            // flags
+  EXPECT_TRUE(refused(1, 2));            // looks that are not there
+  EXPECT_TRUE(refused(1, 4));            // light that is not there
+  EXPECT_TRUE(refused(1, 16));           // unknown flags
   EXPECT_TRUE(refused(2, good[2] - 1));  // a node more than it says
   EXPECT_TRUE(refused(8, good[8] - 1));  // depth
   EXPECT_TRUE(refused(8, good[8] + 1));  //
-  EXPECT_TRUE(refused(10, 1));           // reserved
+  EXPECT_TRUE(refused(10, 1));           // an atlas that is not there
+  EXPECT_TRUE(refused(12, 1));           //
+  EXPECT_TRUE(refused(13, 1));           // reserved
   const std::size_t root = PageView::node_word(0);
   EXPECT_TRUE(refused(root + 0, good[root] + 1000));           // boxes that leave out what they hold
   EXPECT_TRUE(refused(root + 3, good[root + 3] - 1));          //
