@@ -16,6 +16,7 @@
 #include <set>
 #include <thread>
 
+#include "baker/appearance/zone_looks.h"
 #include "baker/bvh/build_page.h"
 #include "baker/cut.h"
 #include "baker/encode.h"
@@ -27,6 +28,9 @@
 
 namespace zc {
 namespace {
+
+// Of the coarsest levels, in texels.
+constexpr std::uint32_t kSmallestAtlas = 32;
 
 class Stopwatch {
  public:
@@ -115,15 +119,26 @@ Status encode_node(const ProxyNode& source, std::span<const Material> materials,
   return writer.write(name, zone.glb);
 }
 
-Status build_node_bvh(const ZoneMesh& mesh, const BvhBuildOptions& options, std::uint32_t material_count,
-                      const WorldWriter& writer, NodeRecord& node) {
+Status build_node_bvh(const ZoneMesh& mesh, ZoneAppearance appearance, const BvhBuildOptions& options,
+                      std::uint32_t material_count, const WorldWriter& writer, NodeRecord& node) {
   const std::string name = node_file(node, "zbvh");
-  ZC_ASSIGN(const BuiltPage page, build_page(mesh, {}, options, material_count, node, name));
+  ZC_ASSIGN(const BuiltPage page, build_page(mesh, std::move(appearance), options, material_count, node, name));
   const std::vector<std::byte> bytes = encode_bvh_file(page.bvh);
   node.bvh_bytes = bytes.size();
   node.scratch_bytes += bvh_scratch_bytes(node);
   node.bvh_xxh3 = XXH3_64bits(bytes.data(), bytes.size());
   return writer.write(name, bytes);
+}
+
+// How many levels of proxies lie below each node.
+std::vector<std::uint32_t> heights(std::span<const NodeRecord> nodes) {
+  std::vector<std::uint32_t> height(nodes.size());
+  for (std::size_t i = nodes.size(); i-- > 1;)  // children lie behind their parents
+    if (!nodes[i].is_detail()) {
+      std::uint32_t& above = height[static_cast<std::size_t>(nodes[i].parent)];
+      above = std::max(above, height[i] + 1);
+    }
+  return height;
 }
 
 std::vector<MaterialRecord> material_records(std::span<const Material> materials) {
@@ -141,8 +156,9 @@ std::vector<MaterialRecord> material_records(std::span<const Material> materials
 std::string bake_json(const BakeReport& report) {
   nlohmann::ordered_json json;
   const BakeSeconds& s = report.seconds;
-  json["bake_s"] = {{"total", s.total},       {"import", s.import_s}, {"repair", s.repair}, {"cut", s.cut},
-                    {"simplify", s.simplify}, {"light", s.light},     {"encode", s.encode}, {"bvh", s.bvh}};
+  json["bake_s"] = {{"total", s.total},   {"import", s.import_s},   {"repair", s.repair},
+                    {"cut", s.cut},       {"simplify", s.simplify}, {"light", s.light},
+                    {"encode", s.encode}, {"atlas", s.atlas},       {"bvh", s.bvh}};
   json["peak_rss_bytes"] = report.peak_rss_bytes;
   json["source_triangles"] = report.index.header.source_triangles;
   json["nodes"] = report.index.nodes.size();
@@ -167,6 +183,7 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   report.seconds.import_s = import_s;
   report.index.header.source_triangles = scene.triangles.size();
 
+  TextureSource textures(scene);
   progress.begin("snap", 0, 0.02, 0);
   ZC_ASSIGN(SnappedScene snapped, snap_scene(std::move(scene), options.step_log2));
   report.seconds.repair = watch.lap();
@@ -179,6 +196,7 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   index.crs = std::move(snapped.crs);
   index.header.step_log2 = snapped.step_log2;
   index.header.anchor = snapped.anchor;
+  textures.move_to_lattice(index.header.anchor, index.header.step_log2);
   snapped = {};
   report.seconds.cut = watch.lap();
 
@@ -197,7 +215,7 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   report.seconds.simplify = watch.lap();
 
   const std::size_t count = proxies.nodes.size();
-  progress.begin("encode", 0.85, 0.95, count);
+  progress.begin("encode", 0.85, 0.92, count);
   std::set<std::uint32_t> depths;
   for (const ProxyNode& node : proxies.nodes) depths.insert(node.depth);
   for (const std::uint32_t depth : depths) ZC_TRY(writer.make_directory("zones/" + std::to_string(depth)));
@@ -210,10 +228,23 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   }));
   report.seconds.encode = watch.lap();
 
+  std::vector<ZoneAppearance> appearances(count);
+  if (!textures.empty() && options.atlas_size > 0) {
+    const std::vector<std::uint32_t> height = heights(index.nodes);
+    progress.begin("atlas", 0.92, 0.95, count);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      const AtlasOptions atlas{.max_size = std::max(options.atlas_size >> height[i], kSmallestAtlas)};
+      appearances[i] = make_zone_looks(decoded[i], index.nodes[i], textures, materials, step_m, atlas);
+      progress.step();
+    });
+  }
+  report.seconds.atlas = watch.lap();
+
   progress.begin("bvh", 0.95, 1.0, count);
   const auto material_count = static_cast<std::uint32_t>(materials.size());
   ZC_TRY(for_all(count, [&](std::size_t i) {
-    Status status = build_node_bvh(decoded[i], options.bvh, material_count, writer, index.nodes[i]);
+    Status status =
+        build_node_bvh(decoded[i], std::move(appearances[i]), options.bvh, material_count, writer, index.nodes[i]);
     decoded[i] = {};
     progress.step();
     return status;

@@ -24,7 +24,8 @@ struct BakeOptions {
   unsigned threads = 0;                 // 0: all
   std::uint32_t leaf_triangles = 4000;  // a zone with more is split; the root has at most so many
   BvhBuildOptions bvh;
-  double error_m = 0.05;                // bound of leaf proxies
+  double error_m = 0.05;           // bound of leaf proxies
+  std::uint32_t atlas_size = 512;  // of a leaf, texels, a power of two to 1024; halved level by level; 0: none
   std::int32_t step_log2 = kDefaultStepLog2;
   bool reuse = true;  // proxies of the world that is replaced, where what they were made of is the same; keeps them too
   // Called from any thread, one call at a time; fraction in 0..1.
@@ -39,6 +40,7 @@ struct BakeSeconds {  // wall clock
   double simplify = 0;  // with the measuring of errors
   double light = 0;
   double encode = 0;
+  double atlas = 0;
   double bvh = 0;
 };
 

@@ -5,17 +5,33 @@
 
 #include <array>
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "baker/texture_image.h"
+
 namespace zc {
+
+// Base colour by place: offset + factor * the image's texel, linear.
+struct SurfaceTexture {
+  std::uint32_t image = 0;  // of Scene::images
+  TextureWrap wrap_u = TextureWrap::kRepeat;
+  TextureWrap wrap_v = TextureWrap::kRepeat;
+  glm::vec3 factor{1};
+  glm::vec3 offset{0};
+
+  bool operator==(const SurfaceTexture&) const = default;
+};
 
 struct Material {
   std::string name;
-  glm::vec3 base_color = {0.8F, 0.8F, 0.8F};  // linear
+  glm::vec3 base_color = {0.8F, 0.8F, 0.8F};  // linear; a texture's mean
   float roughness = 0.9F;
   float metallic = 0;
+  std::optional<SurfaceTexture> texture = {};
 
   bool operator==(const Material&) const = default;
 };
@@ -37,12 +53,20 @@ struct ImportCount {
   std::uint64_t count = 0;
 };
 
+// v downwards, as in glTF.
+struct TriangleTexcoords {
+  std::uint32_t triangle = 0;
+  std::array<glm::vec2, 3> uv = {};
+};
+
 struct Scene {
   std::vector<glm::dvec3> positions;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint16_t> triangle_material;
   std::vector<SceneObject> objects;  // contiguous, in order, cover all triangles
+  std::vector<TriangleTexcoords> texcoords;  // ascending; of triangles whose material has a texture
   std::vector<Material> materials;
+  std::vector<TextureImage> images;
   std::string crs;
   std::vector<ImportCount> notes;
 };

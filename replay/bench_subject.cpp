@@ -110,7 +110,7 @@ Result<Subject> open_subject(const SubjectOptions& o) {
     ZC_ASSIGN(subject.scene, load_world_scene(o.world, options));
   } else if (generated) {
     const std::vector<std::filesystem::path> inputs = {folder.path() / "city.glb"};
-    ZC_ASSIGN(Scene soup, import_inputs(inputs, {}));
+    ZC_ASSIGN(Scene soup, import_inputs(inputs));
     for (glm::dvec3& p : soup.positions) p += offset_m;
     if (!origin) {
       ZC_ASSIGN(origin, lattice_point(offset_m, step_m));

@@ -29,7 +29,7 @@ Status run(const Arguments& arguments) {
   progress.update(0, "import");
   const auto started = std::chrono::steady_clock::now();
   const std::vector<std::filesystem::path> inputs(arguments.inputs.begin(), arguments.inputs.end());
-  ZC_ASSIGN(Scene scene, import_inputs(inputs, {}));
+  ZC_ASSIGN(Scene scene, import_inputs(inputs));
   const std::chrono::duration<double> import_s = std::chrono::steady_clock::now() - started;
   Result<BakeReport> baked = bake_world(std::move(scene), import_s.count(), options, arguments.out);
   if (!baked) {
@@ -43,8 +43,9 @@ Status run(const Arguments& arguments) {
   for (const NodeRecord& node : report.index.nodes) zones += node.is_detail() ? 1 : 0;
   for (const ImportCount& note : report.notes) spdlog::info("{}: {}", note.what, note.count);
   std::cout << arguments.out << ": " << report.index.header.source_triangles << " triangles in " << zones << " zones, "
-            << report.index.nodes.size() << " nodes (" << report.proxies_reused << " proxies as before), " << std::fixed << std::setprecision(1) << report.seconds.total
-            << " s, peak memory " << format_bytes(report.peak_rss_bytes) << '\n';
+            << report.index.nodes.size() << " nodes (" << report.proxies_reused << " proxies as before), " << std::fixed
+            << std::setprecision(1) << report.seconds.total << " s, peak memory " << format_bytes(report.peak_rss_bytes)
+            << '\n';
   return {};
 }
 
@@ -69,6 +70,11 @@ void add_bake(CLI::App& app, const SetCommand& set) {
   command->add_option("--leaf-triangles", arguments->options.leaf_triangles, "Triangles at which a zone is split")
       ->capture_default_str()
       ->check(CLI::Range(64U, 65535U));
+  command
+      ->add_option("--atlas", arguments->options.atlas_size,
+                   "Largest texture atlas of a zone, in texels a side, halved level by level; 0: mean colours only")
+      ->capture_default_str()
+      ->check(CLI::IsMember({0, 32, 64, 128, 256, 512, 1024}));
   command->add_option("--threads", arguments->options.threads, "Threads (0: all cores)")
       ->capture_default_str()
       ->check(CLI::Range(0U, 256U));

@@ -24,7 +24,7 @@ Result<std::vector<bench::RootPage>> generated_pages() {
   ZC_TRY(folder.create());
   ZC_TRY(generate_city({}, folder.path()));
   const std::vector<std::filesystem::path> inputs = {folder.path() / "city.glb"};
-  ZC_ASSIGN(Scene scene, import_inputs(inputs, {}));
+  ZC_ASSIGN(Scene scene, import_inputs(inputs));
   Progress progress;
   BakeOptions options;
   options.progress = [&](double fraction, std::string_view stage) { progress.update(fraction, stage); };

@@ -34,6 +34,9 @@ uint pack_base(vec3 base, float roughness, float metallic) {
          uint(metallic * 3.0 + 0.5) << 30;
 }
 
+// On the colour of a page's Look.
+float look_gain(uvec2 look) { return exp2(-float(look.x >> 23 & 255u) / 32.0); }
+
 // Sky share, then the square root of half the bounced light: 8 bits each.
 uint pack_light(float sky, vec3 bounce) { return packUnorm4x8(vec4(sqrt(clamp(bounce * 0.5, 0.0, 1.0)), sky)); }
 

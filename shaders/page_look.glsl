@@ -27,7 +27,7 @@ PAGE_NAME(Atlas) PAGE_NAME(load_atlas)(uint page_word) {
                           uintBitsToFloat(PAGE_NAME(load)(at + 2u)));
 }
 
-// Filtered over four texels of the level whose texels are about as wide as the footprint. `steps`: the point in the
+// Linear, filtered over four texels of the level whose texels are about as wide as the footprint. `steps`: the point in the
 // zone's own steps from its origin; the footprint likewise.
 vec3 PAGE_NAME(atlas_color)(PAGE_NAME(Atlas) atlas, uvec2 look, vec3 steps, float footprint) {
   const uint axis = look.x >> 18 & 3u;
@@ -49,9 +49,11 @@ vec3 PAGE_NAME(atlas_color)(PAGE_NAME(Atlas) atlas, uvec2 look, vec3 steps, floa
   vec3 corner[4];
   for (uint i = 0u; i < 4u; ++i) {
     const uvec2 p = uvec2(x[i & 1u], i < 2u ? low.y : high.y);
-    corner[i] = PAGE_NAME(block_texel)(word + 2u * ((p.y >> 2) * row + (p.x >> 2)), p.x & 3u, p.y & 3u);
+    corner[i] =
+        linear_of_srgb(PAGE_NAME(block_texel)(word + 2u * ((p.y >> 2) * row + (p.x >> 2)), p.x & 3u, p.y & 3u));
   }
-  return linear_of_srgb(mix(mix(corner[0], corner[1], part.x), mix(corner[2], corner[3], part.x), part.y));
+  const vec3 color = mix(mix(corner[0], corner[1], part.x), mix(corner[2], corner[3], part.x), part.y);
+  return color * look_gain(look);
 }
 
 // Base colour, roughness and metalness of a triangle; `look` is 0 where the page has none or it is plain, so that the
@@ -70,7 +72,7 @@ SurfaceLook PAGE_NAME(material_look)(PAGE_NAME(Cluster) cluster, uint packed_tri
   const MaterialEntry m = materials[material];
   SurfaceLook result;
   result.base = vec3(m.base_r, m.base_g, m.base_b);
-  if ((look.x >> 16 & 3u) == kLookColor) result.base = linear_of_srgb(unpackUnorm4x8(look.y).rgb);
+  if ((look.x >> 16 & 3u) == kLookColor) result.base = linear_of_srgb(unpackUnorm4x8(look.y).rgb) * look_gain(look);
   result.roughness = m.roughness;
   result.metallic = m.metallic;
   result.sky = 1.0;

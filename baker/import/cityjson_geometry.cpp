@@ -154,9 +154,14 @@ class GeometryReader {
     const std::size_t base = mesh_.positions.size();
     if (base + polygon_.points.size() > 0xFFFF'FFFFU) return fault("object has more than 2^32 corners");
     mesh_.positions.insert(mesh_.positions.end(), polygon_.points.begin(), polygon_.points.end());
+    if (paint.texture) ZC_TRY(read_texcoords(labels.textures));
     for (const auto& [a, b, c] : cut_) {
       const auto at = [base](std::uint32_t corner) { return static_cast<std::uint32_t>(base + corner); };
-      mesh_.triangles.push_back(mirrored_ ? std::array{at(a), at(c), at(b)} : std::array{at(a), at(b), at(c)});
+      const std::array corners = mirrored_ ? std::array{a, c, b} : std::array{a, b, c};
+      if (paint.texture && !texcoords_.empty())
+        mesh_.texcoords.push_back({static_cast<std::uint32_t>(mesh_.triangles.size()),
+                                   {texcoords_[corners[0]], texcoords_[corners[1]], texcoords_[corners[2]]}});
+      mesh_.triangles.push_back({at(corners[0]), at(corners[1]), at(corners[2])});
       mesh_.materials.push_back(material);
     }
     return {};
@@ -183,7 +188,7 @@ class GeometryReader {
         return fault("material index " + one_line(material->dump()) + " out of range (" +
                      std::to_string(appearance.materials.size()) + " materials)");
       const CityMaterial& chosen = appearance.materials[*index];
-      paint = {chosen.color, false, chosen.transparent, chosen.name};
+      paint = {chosen.color, {}, chosen.transparent, chosen.name};
     }
     // The outer ring's list: texture index, then texture coordinates.
     const json* ring = child_label(labels.textures, 0);
@@ -193,11 +198,39 @@ class GeometryReader {
       if (!index || *index >= appearance.textures.size())
         return fault("texture index " + one_line(texture->dump()) + " out of range (" +
                      std::to_string(appearance.textures.size()) + " textures)");
-      const std::string& image = appearance.textures[*index].image;
-      if (const auto mean = context_.images.of_file(context_.image_folder, image))
-        paint = {mean, true, paint.transparent, image};
+      const auto& [image, wrap] = appearance.textures[*index];
+      if (const auto loaded = context_.images.of_file(context_.image_folder, image))
+        paint = {loaded->mean, SurfaceTexture{loaded->index, wrap, wrap}, paint.transparent, image};
     }
     return paint;
+  }
+
+  // One for every point of the polygon; none where a ring has too few. `rings`: a list for each, of a texture and then
+  // the numbers of its texture coordinates.
+  Status read_texcoords(const json* rings) {
+    texcoords_.clear();
+    std::uint32_t begin = 0;
+    for (std::size_t r = 0; r < polygon_.ring_ends.size(); ++r) {
+      const json* ring = child_label(rings, r);
+      const std::uint32_t end = polygon_.ring_ends[r];
+      if (begin < end && (ring == nullptr || !ring->is_array() || ring->size() < 1 + std::size_t{end - begin})) {
+        context_.builder.note("textured surfaces without texture coordinates for every corner, mean colour used");
+        texcoords_.clear();
+        return {};
+      }
+      for (std::uint32_t i = begin; i < end; ++i) {
+        const json& entry = (*ring)[1 + std::size_t{i - begin}];
+        const auto index = as_unsigned(entry);
+        if (!index || *index >= context_.appearance.texcoords.size())
+          return fault("texture coordinate index " +
+                       one_line(entry.dump(-1, ' ', false, json::error_handler_t::replace)) + " out of range (" +
+                       std::to_string(context_.appearance.texcoords.size()) + " texture coordinates)");
+        const glm::vec2& uv = context_.appearance.texcoords[*index];
+        texcoords_.emplace_back(uv.x, 1 - uv.y);
+      }
+      begin = end;
+    }
+    return {};
   }
 
   const CityContext& context_;
@@ -209,6 +242,7 @@ class GeometryReader {
   std::vector<std::optional<Surface>> semantics_;
   const json* whole_material_ = nullptr;
   Polygon polygon_;                                // reused
+  std::vector<glm::vec2> texcoords_;               // reused; of the polygon's points
   std::vector<std::array<std::uint32_t, 3>> cut_;  // reused
 };
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "baker/import/cityjson_source.h"
-#include "baker/import/mean_color.h"
 #include "baker/import/scene_builder.h"
+#include "baker/import/texture_images.h"
 
 namespace zc {
 
@@ -23,7 +23,7 @@ struct CityContext {
   std::span<const glm::dvec3> vertices;
   const CityAppearance& appearance;
   std::filesystem::path image_folder;
-  MeanColors& images;
+  TextureImages& images;
   SceneBuilder& builder;
 };
 

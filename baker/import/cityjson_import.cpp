@@ -64,14 +64,14 @@ Result<CityHeader> read_header(const json& document, const CitySource& source, S
 
 }  // namespace
 
-Status import_cityjson(std::string_view text, const std::string& path, MeanColors& images, SceneBuilder& builder) {
+Status import_cityjson(std::string_view text, const std::string& path, TextureImages& images, SceneBuilder& builder) {
   const CitySource source{path, text, 0};
   ZC_ASSIGN(const json document, parse_json(text, path));
   ZC_ASSIGN(const CityHeader header, read_header(document, source, builder));
   return add_city_objects(document, header, source, images, builder);
 }
 
-Status import_cityjson_seq(const std::string& path, MeanColors& images, SceneBuilder& builder) {
+Status import_cityjson_seq(const std::string& path, TextureImages& images, SceneBuilder& builder) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return Error{ErrorCode::kIo, std::string("cannot open: ") + std::strerror(errno), path};
   std::string line;

@@ -7,16 +7,16 @@
 #include <string>
 #include <string_view>
 
-#include "baker/import/mean_color.h"
 #include "baker/import/scene_builder.h"
+#include "baker/import/texture_images.h"
 #include "base/result.h"
 
 namespace zc {
 
 // `text` is the whole file.
-Status import_cityjson(std::string_view text, const std::string& path, MeanColors& images, SceneBuilder& builder);
+Status import_cityjson(std::string_view text, const std::string& path, TextureImages& images, SceneBuilder& builder);
 
 // Reads the file line by line, holding one line at a time.
-Status import_cityjson_seq(const std::string& path, MeanColors& images, SceneBuilder& builder);
+Status import_cityjson_seq(const std::string& path, TextureImages& images, SceneBuilder& builder);
 
 }  // namespace zc

@@ -33,7 +33,7 @@ std::string type_of(const json& value) {
 
 class ObjectsReader {
  public:
-  ObjectsReader(const CityHeader& header, const CitySource& source, MeanColors& images, SceneBuilder& builder)
+  ObjectsReader(const CityHeader& header, const CitySource& source, TextureImages& images, SceneBuilder& builder)
       : header_(header), source_(source), images_(images), builder_(builder) {}
 
   Status run(const json& document) {
@@ -193,7 +193,7 @@ class ObjectsReader {
 
   const CityHeader& header_;
   const CitySource& source_;
-  MeanColors& images_;
+  TextureImages& images_;
   SceneBuilder& builder_;
   std::vector<glm::dvec3> vertices_;
   std::optional<CityAppearance> own_appearance_;
@@ -202,7 +202,7 @@ class ObjectsReader {
 
 }  // namespace
 
-Status add_city_objects(const json& document, const CityHeader& header, const CitySource& source, MeanColors& images,
+Status add_city_objects(const json& document, const CityHeader& header, const CitySource& source, TextureImages& images,
                         SceneBuilder& builder) {
   return ObjectsReader(header, source, images, builder).run(document);
 }

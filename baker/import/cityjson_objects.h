@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "baker/import/cityjson_source.h"
-#include "baker/import/mean_color.h"
 #include "baker/import/scene_builder.h"
+#include "baker/import/texture_images.h"
 
 namespace zc {
 
@@ -21,6 +21,6 @@ struct CityHeader {
 };
 
 Status add_city_objects(const nlohmann::json& document, const CityHeader& header, const CitySource& source,
-                        MeanColors& images, SceneBuilder& builder);
+                        TextureImages& images, SceneBuilder& builder);
 
 }  // namespace zc

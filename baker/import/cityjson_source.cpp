@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/import/json_text.h"
-#include "baker/import/mean_color.h"
 
 namespace zc {
 namespace {
@@ -89,6 +88,9 @@ Result<CityAppearance> read_city_appearance(const json& document, const CitySour
       if (!texture.is_object()) return source.error(where + " is not an object");
       CityTexture entry;
       ZC_ASSIGN(entry.image, text_member(texture, "image", where, source));
+      ZC_ASSIGN(const std::string wrap, text_member(texture, "wrapMode", where, source));
+      if (wrap == "mirror") entry.wrap = TextureWrap::kMirror;
+      if (wrap == "none" || wrap == "clamp" || wrap == "border") entry.wrap = TextureWrap::kClamp;
       result.textures.push_back(std::move(entry));
     }
   }
@@ -109,6 +111,15 @@ Result<CityAppearance> read_city_appearance(const json& document, const CitySour
         entry.transparent = transparency->get<double>() > kTransparent;
       }
       result.materials.push_back(std::move(entry));
+    }
+  }
+  if (const json* list = find_member(*appearance, "vertices-texture"); list != nullptr) {
+    if (!list->is_array()) return source.error("vertices-texture is not an array");
+    for (const json& entry : *list) {
+      const auto numbers = as_numbers(entry, 2);
+      if (!numbers)
+        return source.error("texture coordinate " + std::to_string(result.texcoords.size()) + " is not two numbers");
+      result.texcoords.emplace_back((*numbers)[0], (*numbers)[1]);
     }
   }
   return result;

@@ -4,12 +4,14 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "baker/texture_image.h"
 #include "base/result.h"
 
 namespace zc {
@@ -31,6 +33,7 @@ struct CityTransform {
 
 struct CityTexture {
   std::string image;
+  TextureWrap wrap = TextureWrap::kRepeat;
 };
 
 struct CityMaterial {
@@ -42,7 +45,8 @@ struct CityMaterial {
 struct CityAppearance {
   std::vector<CityTexture> textures;
   std::vector<CityMaterial> materials;
-  std::string texture_theme;  // the default ones, may be empty
+  std::vector<glm::vec2> texcoords;  // v upwards
+  std::string texture_theme;         // the default ones, may be empty
   std::string material_theme;
 };
 

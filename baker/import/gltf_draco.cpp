@@ -70,9 +70,40 @@ Status check_declared(std::span<const std::byte> bytes, const GltfFile& file, co
   return {};
 }
 
+// Of every point. The primitive's accessor says what Draco's integers mean.
+template <int kComponents>
+Result<std::vector<std::array<double, kComponents>>> read_attribute(const GltfFile& file,
+                                                                    const tinygltf::Primitive& primitive,
+                                                                    const std::string& name, int unique_id,
+                                                                    draco::Mesh& mesh, const std::string& where) {
+  int component_type = TINYGLTF_COMPONENT_TYPE_FLOAT;
+  bool normalized = false;
+  if (const auto named = primitive.attributes.find(name);
+      named != primitive.attributes.end() && named->second >= 0 &&
+      static_cast<std::size_t>(named->second) < file.model.accessors.size()) {
+    const tinygltf::Accessor& accessor = file.model.accessors[static_cast<std::size_t>(named->second)];
+    component_type = accessor.componentType;
+    normalized = accessor.normalized;
+  }
+  const int attribute_id = unique_id < 0 ? -1 : mesh.GetAttributeIdByUniqueId(static_cast<std::uint32_t>(unique_id));
+  if (attribute_id < 0) return file.error(where + ": Draco stream has no attribute " + std::to_string(unique_id));
+  draco::PointAttribute* const attribute = mesh.attribute(attribute_id);
+  if (attribute->num_components() != kComponents)
+    return file.error(where + ": Draco " + name + " has not " + std::to_string(kComponents) + " components");
+  attribute->set_normalized(false);
+  std::vector<std::array<double, kComponents>> values(mesh.num_points());
+  for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
+    const draco::AttributeValueIndex at = attribute->mapped_index(draco::PointIndex(i));
+    if (at.value() >= attribute->size() || !attribute->ConvertValue<double, kComponents>(at, values[i].data()))
+      return file.error(where + ": Draco point " + std::to_string(i) + " has no " + name);
+    for (double& number : values[i]) number = dequantised(number, component_type, normalized);
+  }
+  return values;
+}
+
 }  // namespace
 
-Result<GltfGeometry> read_draco_primitive(const GltfFile& file, const tinygltf::Primitive& primitive,
+Result<GltfGeometry> read_draco_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, int texcoord,
                                           const std::string& where) {
   const tinygltf::Value& extension = primitive.extensions.at(kDraco);
   if (!extension.IsObject() || !extension.Get("bufferView").IsInt() || !extension.Get("attributes").IsObject() ||
@@ -81,17 +112,6 @@ Result<GltfGeometry> read_draco_primitive(const GltfFile& file, const tinygltf::
   ZC_ASSIGN(const std::span<const std::byte> bytes, file.view(extension.Get("bufferView").GetNumberAsInt()));
   const int unique_id = extension.Get("attributes").Get("POSITION").GetNumberAsInt();
   ZC_TRY(check_declared(bytes, file, where));
-
-  // The accessor says what Draco's integers mean.
-  int component_type = TINYGLTF_COMPONENT_TYPE_FLOAT;
-  bool normalized = false;
-  if (const auto position = primitive.attributes.find("POSITION");
-      position != primitive.attributes.end() && position->second >= 0 &&
-      static_cast<std::size_t>(position->second) < file.model.accessors.size()) {
-    const tinygltf::Accessor& accessor = file.model.accessors[static_cast<std::size_t>(position->second)];
-    component_type = accessor.componentType;
-    normalized = accessor.normalized;
-  }
 
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -102,22 +122,15 @@ Result<GltfGeometry> read_draco_primitive(const GltfFile& file, const tinygltf::
     return file.error(where + ": damaged Draco stream" + (cause.empty() ? "" : ": " + cause));
   }
   const std::unique_ptr<draco::Mesh> mesh = std::move(decoded).value();
-  const int attribute_id = unique_id < 0 ? -1 : mesh->GetAttributeIdByUniqueId(static_cast<std::uint32_t>(unique_id));
-  if (attribute_id < 0) return file.error(where + ": Draco stream has no attribute " + std::to_string(unique_id));
-  draco::PointAttribute* const attribute = mesh->attribute(attribute_id);
-  if (attribute->num_components() != 3) return file.error(where + ": Draco POSITION has not three components");
-  attribute->set_normalized(false);
-
   GltfGeometry geometry;
   const std::uint32_t points = mesh->num_points();
-  geometry.positions.resize(points);
-  for (std::uint32_t i = 0; i < points; ++i) {
-    std::array<double, 3> value{};
-    const draco::AttributeValueIndex at = attribute->mapped_index(draco::PointIndex(i));
-    if (at.value() >= attribute->size() || !attribute->ConvertValue<double, 3>(at, value.data()))
-      return file.error(where + ": Draco point " + std::to_string(i) + " has no position");
-    for (double& number : value) number = dequantised(number, component_type, normalized);
-    geometry.positions[i] = {value[0], value[1], value[2]};
+  ZC_ASSIGN(const auto positions, read_attribute<3>(file, primitive, "POSITION", unique_id, *mesh, where));
+  geometry.positions.reserve(points);
+  for (const auto& p : positions) geometry.positions.emplace_back(p[0], p[1], p[2]);
+  const std::string texcoord_name = "TEXCOORD_" + std::to_string(texcoord);
+  if (const tinygltf::Value& id = extension.Get("attributes").Get(texcoord_name); texcoord >= 0 && id.IsInt()) {
+    ZC_ASSIGN(const auto uvs, read_attribute<2>(file, primitive, texcoord_name, id.GetNumberAsInt(), *mesh, where));
+    for (const auto& uv : uvs) geometry.texcoords.emplace_back(uv[0], uv[1]);
   }
   geometry.triangles.reserve(mesh->num_faces());
   for (draco::FaceIndex f(0); f < mesh->num_faces(); ++f) {

@@ -216,7 +216,7 @@ Status read_center(const json& document, GltfFile& file) {
 json reduced(const json& document) {
   json kept = json::object();
   for (const char* key :
-       {"asset", "accessors", "bufferViews", "materials", "meshes", "nodes", "scene", "scenes", "textures"})
+       {"asset", "accessors", "bufferViews", "materials", "meshes", "nodes", "samplers", "scene", "scenes", "textures"})
     if (const json* member = find_member(document, key); member != nullptr) kept[key] = *member;
   if (!kept.contains("meshes") || !kept["meshes"].is_array()) return kept;
   for (json& mesh : kept["meshes"]) {

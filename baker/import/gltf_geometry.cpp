@@ -145,9 +145,9 @@ double dequantised(double stored, int component_type, bool normalized) {
   }
 }
 
-Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primitive& primitive,
+Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, int texcoord,
                                     const std::string& where) {
-  if (primitive.extensions.contains(kDraco)) return read_draco_primitive(file, primitive, where);
+  if (primitive.extensions.contains(kDraco)) return read_draco_primitive(file, primitive, texcoord, where);
   GltfGeometry geometry;
   const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
   if (mode > TINYGLTF_MODE_TRIANGLE_FAN) return file.error(where + " has mode " + std::to_string(mode));
@@ -159,6 +159,13 @@ Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primit
   geometry.positions.reserve(count);
   for (std::size_t i = 0; i < count; ++i)
     geometry.positions.emplace_back(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
+  const std::string texcoord_name = "TEXCOORD_" + std::to_string(texcoord);
+  if (const auto at = primitive.attributes.find(texcoord_name); texcoord >= 0 && at != primitive.attributes.end()) {
+    ZC_ASSIGN(const std::vector<double> uv,
+              read_accessor(file, at->second, TINYGLTF_TYPE_VEC2, 2, where + " " + texcoord_name));
+    if (uv.size() != 2 * count) return file.error(where + " has not as many texture coordinates as positions");
+    for (std::size_t i = 0; i < count; ++i) geometry.texcoords.emplace_back(uv[2 * i], uv[2 * i + 1]);
+  }
 
   std::optional<std::vector<double>> indices;
   if (primitive.indices >= 0) {

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
 
@@ -15,14 +16,16 @@ namespace zc {
 struct GltfGeometry {
   std::vector<glm::dvec3> positions;  // in the mesh's own frame
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<glm::vec2> texcoords;  // per position; empty: none
 };
 
-// Empty for primitives of points or lines. `where` names the primitive in errors.
-Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primitive& primitive,
+// Empty for primitives of points or lines. texcoord: which TEXCOORD_ is read where there is one; negative: none.
+// `where` names the primitive in errors.
+Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, int texcoord,
                                     const std::string& where);
 
 // The KHR_draco_mesh_compression extension of a primitive that has it.
-Result<GltfGeometry> read_draco_primitive(const GltfFile& file, const tinygltf::Primitive& primitive,
+Result<GltfGeometry> read_draco_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, int texcoord,
                                           const std::string& where);
 
 // A stored integer component as KHR_mesh_quantization defines it: normalised types map to [-1, 1] or [0, 1].

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -66,7 +67,7 @@ Result<glm::dmat4> local_transform(const GltfFile& file, const tinygltf::Node& n
 
 class GltfImport {
  public:
-  GltfImport(const GltfFile& file, const GltfPlace& place, MeanColors& images, SceneBuilder& builder)
+  GltfImport(const GltfFile& file, const GltfPlace& place, TextureImages& images, SceneBuilder& builder)
       : file_(file), place_(place), images_(images), builder_(builder), meshes_(file.model.meshes.size()) {}
 
   Status run() {
@@ -141,9 +142,14 @@ class GltfImport {
         return Error{ErrorCode::kUnsupported, "mesh " + std::to_string(node.mesh) + " has more than 2^32 vertices",
                      file_.path};
       for (const glm::dvec3& p : part.geometry.positions) object.positions.emplace_back(world * glm::dvec4(p, 1));
+      const auto& uv = part.geometry.texcoords;
       for (const auto& [a, b, c] : part.geometry.triangles) {
         const auto at = [base](std::uint32_t corner) { return static_cast<std::uint32_t>(base + corner); };
-        object.triangles.push_back(mirrored ? std::array{at(a), at(c), at(b)} : std::array{at(a), at(b), at(c)});
+        const std::array corners = mirrored ? std::array{a, c, b} : std::array{a, b, c};
+        if (!uv.empty())
+          object.texcoords.push_back(
+              {static_cast<std::uint32_t>(object.triangles.size()), {uv[corners[0]], uv[corners[1]], uv[corners[2]]}});
+        object.triangles.push_back({at(corners[0]), at(corners[1]), at(corners[2])});
         object.materials.push_back(part.material);
       }
     }
@@ -156,38 +162,83 @@ class GltfImport {
     for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
       const std::string where = "mesh " + std::to_string(mesh_index) + " primitive " + std::to_string(i);
       Part part;
-      ZC_ASSIGN(part.geometry, read_primitive(file_, mesh.primitives[i], where));
+      ZC_ASSIGN(const Look look, look_of(mesh.primitives[i].material, where));
+      ZC_ASSIGN(part.geometry, read_primitive(file_, mesh.primitives[i], look.texcoord, where));
       if (part.geometry.triangles.empty()) {
         builder_.note("glTF primitives without triangles (points, lines), left out");
         continue;
       }
-      ZC_ASSIGN(part.material, material(mesh.primitives[i].material, where));
+      part.material = builder_.material(look.material);
+      for (glm::vec2& uv : part.geometry.texcoords) uv = look.uv_transform * glm::vec3(uv, 1);
       parts.push_back(std::move(part));
     }
     meshes_[mesh_index] = std::move(parts);
     return {};
   }
 
-  Result<std::uint16_t> material(int index, const std::string& where) {
-    if (index < 0) return builder_.material({.name = "default"});
+  struct Look {
+    Material material;
+    int texcoord = -1;  // which of the primitive's sets; negative: none is needed
+    glm::mat3x2 uv_transform{1, 0, 0, 1, 0, 0};
+  };
+
+  Result<Look> look_of(int index, const std::string& where) {
+    Look look;
+    look.material.name = "default";
+    if (index < 0) return look;
     if (static_cast<std::size_t>(index) >= file_.model.materials.size())
       return file_.error(where + " names material " + std::to_string(index) + ", which does not exist");
     const tinygltf::Material& source = file_.model.materials[static_cast<std::size_t>(index)];
     const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
     const auto unit = [](double value) { return static_cast<float>(std::clamp(value, 0.0, 1.0)); };
-    Material result;
+    Material& result = look.material;
     result.name = source.name.empty() ? "unnamed" : source.name;  // equal looks of many files are one material
     result.base_color = glm::vec3(1);
     for (std::size_t c = 0; c < 3 && c < pbr.baseColorFactor.size(); ++c)
       result.base_color[static_cast<int>(c)] = unit(pbr.baseColorFactor[c]);
     result.roughness = unit(pbr.roughnessFactor);
     result.metallic = unit(pbr.metallicFactor);
-    if (pbr.baseColorTexture.index >= 0)
-      if (const auto mean = texture_color(pbr.baseColorTexture.index)) result.base_color *= *mean;
-    return builder_.material(result);
+    const auto image = pbr.baseColorTexture.index >= 0 ? load_image(pbr.baseColorTexture.index) : std::nullopt;
+    if (!image) return look;
+    result.texture = SurfaceTexture{.image = image->index, .factor = result.base_color};
+    result.base_color *= image->mean;
+    const int sampler = file_.model.textures[static_cast<std::size_t>(pbr.baseColorTexture.index)].sampler;
+    if (sampler >= 0 && static_cast<std::size_t>(sampler) < file_.model.samplers.size()) {
+      result.texture->wrap_u = wrap_of(file_.model.samplers[static_cast<std::size_t>(sampler)].wrapS);
+      result.texture->wrap_v = wrap_of(file_.model.samplers[static_cast<std::size_t>(sampler)].wrapT);
+    }
+    look.texcoord = pbr.baseColorTexture.texCoord;
+    read_texture_transform(pbr.baseColorTexture.extensions, look);
+    return look;
   }
 
-  std::optional<glm::vec3> texture_color(int texture) {
+  static TextureWrap wrap_of(int mode) {
+    if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return TextureWrap::kClamp;
+    return mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? TextureWrap::kMirror : TextureWrap::kRepeat;
+  }
+
+  // KHR_texture_transform: scaled, then turned, then moved.
+  static void read_texture_transform(const tinygltf::ExtensionMap& extensions, Look& look) {
+    const auto found = extensions.find("KHR_texture_transform");
+    if (found == extensions.end() || !found->second.IsObject()) return;
+    const tinygltf::Value& transform = found->second;
+    const auto pair = [&](const char* key, glm::vec2 fallback) {
+      const tinygltf::Value& value = transform.Get(key);
+      if (!value.IsArray() || value.ArrayLen() != 2 || !value.Get(0).IsNumber() || !value.Get(1).IsNumber())
+        return fallback;
+      return glm::vec2(value.Get(0).GetNumberAsDouble(), value.Get(1).GetNumberAsDouble());
+    };
+    const glm::vec2 scale = pair("scale", glm::vec2(1));
+    const glm::vec2 offset = pair("offset", glm::vec2(0));
+    const tinygltf::Value& rotation = transform.Get("rotation");
+    const auto angle = rotation.IsNumber() ? static_cast<float>(rotation.GetNumberAsDouble()) : 0.0F;
+    const float c = std::cos(angle);
+    const float s = std::sin(angle);
+    look.uv_transform = {scale.x * c, -scale.x * s, scale.y * s, scale.y * c, offset.x, offset.y};
+    if (const tinygltf::Value& set = transform.Get("texCoord"); set.IsInt()) look.texcoord = set.GetNumberAsInt();
+  }
+
+  std::optional<LoadedImage> load_image(int texture) {
     const tinygltf::Model& model = file_.model;
     const int source = static_cast<std::size_t>(texture) < model.textures.size()
                            ? model.textures[static_cast<std::size_t>(texture)].source
@@ -207,14 +258,14 @@ class GltfImport {
 
   const GltfFile& file_;
   const GltfPlace& place_;
-  MeanColors& images_;
+  TextureImages& images_;
   SceneBuilder& builder_;
   std::vector<std::optional<std::vector<Part>>> meshes_;  // decoded once, shared by the nodes that draw them
 };
 
 }  // namespace
 
-Status import_gltf(std::vector<std::byte> bytes, const std::string& path, const GltfPlace& place, MeanColors& images,
+Status import_gltf(std::vector<std::byte> bytes, const std::string& path, const GltfPlace& place, TextureImages& images,
                    SceneBuilder& builder) {
   Result<GltfFile> file = read_gltf(std::move(bytes), path, place.root);
   if (!file) {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "baker/import/mean_color.h"
 #include "baker/import/scene_builder.h"
+#include "baker/import/texture_images.h"
 #include "base/result.h"
 
 namespace zc {
@@ -26,7 +26,7 @@ struct GltfPlace {
   std::int64_t byte_offset = 0;  // of the model in its file
 };
 
-Status import_gltf(std::vector<std::byte> bytes, const std::string& path, const GltfPlace& place, MeanColors& images,
+Status import_gltf(std::vector<std::byte> bytes, const std::string& path, const GltfPlace& place, TextureImages& images,
                    SceneBuilder& builder);
 
 }  // namespace zc

@@ -12,8 +12,8 @@
 #include "baker/import/earth_frame.h"
 #include "baker/import/gltf_import.h"
 #include "baker/import/json_text.h"
-#include "baker/import/mean_color.h"
 #include "baker/import/scene_builder.h"
+#include "baker/import/texture_images.h"
 #include "baker/import/tileset_import.h"
 #include "base/file.h"
 
@@ -36,7 +36,7 @@ bool is_sequence(const std::filesystem::path& path) {
   return path.extension() == ".jsonl";  // a header and nothing else
 }
 
-Status import_one(const std::filesystem::path& input, std::optional<EarthFrame>& earth, MeanColors& images,
+Status import_one(const std::filesystem::path& input, std::optional<EarthFrame>& earth, TextureImages& images,
                   SceneBuilder& builder) {
   const std::string path = input.string();
   ZC_ASSIGN(const std::uint64_t size, file_size_bytes(input));
@@ -63,11 +63,11 @@ Status import_one(const std::filesystem::path& input, std::optional<EarthFrame>&
 
 }  // namespace
 
-Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs, const ImportOptions& options) {
+Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs) {
   if (inputs.empty()) return Error{ErrorCode::kArgument, "no input given"};
   SceneBuilder builder;
   std::optional<EarthFrame> earth;
-  MeanColors images(options.textures_mean_color);
+  TextureImages images;
   for (const std::filesystem::path& input : inputs) {
     try {
       if (Status status = import_one(input, earth, images, builder); !status.ok()) {
@@ -80,7 +80,7 @@ Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs, const
     }
   }
   images.report(builder);
-  Scene scene = builder.finish();
+  Scene scene = builder.finish(images.take());
   if (scene.triangles.empty()) return Error{ErrorCode::kFormat, "has no triangles", inputs.front().string()};
   return scene;
 }

@@ -14,11 +14,7 @@
 
 namespace zc {
 
-struct ImportOptions {
-  bool textures_mean_color = true;  // a textured surface takes the mean linear colour of its image
-};
-
 // Reads every input (told apart by content, not by extension) and merges them into one scene, in order.
-Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs, const ImportOptions& options);
+Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs);
 
 }  // namespace zc

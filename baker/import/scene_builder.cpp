@@ -43,8 +43,24 @@ std::string crs_key(const std::string& crs) {
 }  // namespace
 
 std::uint16_t SceneBuilder::material(const Material& material) {
-  const MaterialKey key{material.name,         material.base_color.x, material.base_color.y,
-                        material.base_color.z, material.roughness,    material.metallic};
+  TextureKey texture{-1};
+  if (const auto& t = material.texture)
+    texture = {static_cast<float>(t->image),  // below 2^24: every image has texels
+               static_cast<float>(t->wrap_u),
+               static_cast<float>(t->wrap_v),
+               t->factor.x,
+               t->factor.y,
+               t->factor.z,
+               t->offset.x,
+               t->offset.y,
+               t->offset.z};
+  const MaterialKey key{material.name,
+                        material.base_color.x,
+                        material.base_color.y,
+                        material.base_color.z,
+                        material.roughness,
+                        material.metallic,
+                        texture};
   if (const auto known = materials_.find(key); known != materials_.end()) return known->second;
   if (scene_.materials.size() < kMaxMaterials) {
     const auto index = static_cast<std::uint16_t>(scene_.materials.size());
@@ -57,7 +73,7 @@ std::uint16_t SceneBuilder::material(const Material& material) {
     const glm::vec3 d = other.base_color - material.base_color;
     const float r = other.roughness - material.roughness;
     const float m = other.metallic - material.metallic;
-    return glm::dot(d, d) + r * r + m * m;
+    return glm::dot(d, d) + r * r + m * m + (other.texture ? 100.0F : 0.0F);
   };
   const auto nearest = std::min_element(scene_.materials.begin(), scene_.materials.end(),
                                         [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
@@ -72,7 +88,9 @@ Status SceneBuilder::add(const ObjectMesh& mesh) {
   welded.reserve(std::min(mesh.positions.size(), 3 * mesh.triangles.size()));
   glm::dvec3 low(std::numeric_limits<double>::max());
   glm::dvec3 high(std::numeric_limits<double>::lowest());
+  auto texcoords = mesh.texcoords.begin();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    while (texcoords != mesh.texcoords.end() && texcoords->triangle < t) ++texcoords;
     std::array<glm::dvec3, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) {
       ZC_CHECK(mesh.triangles[t][k] < mesh.positions.size());
@@ -97,6 +115,8 @@ Status SceneBuilder::add(const ObjectMesh& mesh) {
       low = glm::min(low, corners[k]);
       high = glm::max(high, corners[k]);
     }
+    if (texcoords != mesh.texcoords.end() && texcoords->triangle == t && scene_.materials[mesh.materials[t]].texture)
+      scene_.texcoords.push_back({static_cast<std::uint32_t>(scene_.triangles.size()), texcoords->uv});
     scene_.triangles.push_back(triangle);
     scene_.triangle_material.push_back(mesh.materials[t]);
   }

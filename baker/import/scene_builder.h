@@ -21,7 +21,8 @@ struct ObjectMesh {
   ObjectKind kind = ObjectKind::kObject;  // kObject becomes kGround when the object is too wide for one zone
   std::vector<glm::dvec3> positions;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::uint16_t> materials;  // per triangle
+  std::vector<std::uint16_t> materials;      // per triangle
+  std::vector<TriangleTexcoords> texcoords;  // ascending; of some triangles
 };
 
 // Wider than this in x or y, an object is ground: it is cut along zone borders.
@@ -31,17 +32,22 @@ inline constexpr double kMaxCoordinateM = 1.8e18;
 
 class SceneBuilder {
  public:
-  // Index of an equal material, added when new. A full table yields the nearest in colour and roughness.
+  // Index of an equal material, added when new. A full table yields the nearest in colour and roughness that has no
+  // texture.
   std::uint16_t material(const Material& material);
   // Indices in `mesh` must be in range. An object without a usable triangle is left out.
   Status add(const ObjectMesh& mesh);
   void note(const std::string& what, std::uint64_t count = 1);
   // Keeps the first system named; fails when `crs` names another one.
   Status set_crs(const std::string& crs, const std::string& path);
-  [[nodiscard]] Scene finish() { return std::move(scene_); }
+  [[nodiscard]] Scene finish(std::vector<TextureImage> images) {
+    scene_.images = std::move(images);
+    return std::move(scene_);
+  }
 
  private:
-  using MaterialKey = std::tuple<std::string, float, float, float, float, float>;
+  using TextureKey = std::array<float, 9>;
+  using MaterialKey = std::tuple<std::string, float, float, float, float, float, TextureKey>;
   Scene scene_;
   std::map<MaterialKey, std::uint16_t> materials_;
   std::map<std::string, std::size_t> notes_;

@@ -185,12 +185,16 @@ Material surface_material(Surface surface, std::string_view object_type, std::st
   if (paint.color) {
     material.name.append(" ").append(paint.name);
     // Glass stays dark and smooth: an image only tints it, a plain material colour tints what is see-through.
-    if (!glass)
-      material.base_color = *paint.color;
-    else if (paint.is_texture)
-      material.base_color = glm::mix(look.color, *paint.color, kGlassTint);
-    else
+    if (glass && !paint.texture) {
       material.name = look.name;
+      return material;
+    }
+    material.base_color = glass ? glm::mix(look.color, *paint.color, kGlassTint) : *paint.color;
+    material.texture = paint.texture;
+    if (glass) {
+      material.texture->factor = glm::vec3(kGlassTint);
+      material.texture->offset = look.color * (1 - kGlassTint);
+    }
     return material;
   }
   if (glass || !is_building(object_type)) return material;

@@ -51,7 +51,7 @@ ObjectKind kind_of_city_object(std::string_view object_type);
 // What a surface looks like; `painted` is the mean colour of its texture or its material's colour.
 struct Paint {
   std::optional<glm::vec3> color;
-  bool is_texture = false;
+  std::optional<SurfaceTexture> texture;
   bool transparent = false;
   std::string name;  // of the image or material
 };

@@ -32,7 +32,7 @@ std::string_view text_of(Bytes bytes) { return {reinterpret_cast<const char*>(by
 
 class TileContent {
  public:
-  TileContent(const std::string& path, const GltfPlace& place, MeanColors& images, SceneBuilder& builder)
+  TileContent(const std::string& path, const GltfPlace& place, TextureImages& images, SceneBuilder& builder)
       : path_(path), place_(place), images_(images), builder_(builder) {}
 
   // `at` is the place of `bytes` in the file.
@@ -134,13 +134,13 @@ class TileContent {
 
   const std::string& path_;
   const GltfPlace& place_;
-  MeanColors& images_;
+  TextureImages& images_;
   SceneBuilder& builder_;
 };
 
 }  // namespace
 
-Status import_tile_content(const std::filesystem::path& file, const GltfPlace& place, MeanColors& images,
+Status import_tile_content(const std::filesystem::path& file, const GltfPlace& place, TextureImages& images,
                            SceneBuilder& builder) {
   ZC_ASSIGN(const std::vector<std::byte> bytes, read_file(file, kMaxContentBytes));
   const std::string path = file.string();

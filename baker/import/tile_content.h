@@ -8,7 +8,7 @@
 namespace zc {
 
 // Fails when lengths disagree with the file, on headers from before 1.0 and on any other kind of content.
-Status import_tile_content(const std::filesystem::path& file, const GltfPlace& place, MeanColors& images,
+Status import_tile_content(const std::filesystem::path& file, const GltfPlace& place, TextureImages& images,
                            SceneBuilder& builder);
 
 }  // namespace zc

@@ -235,7 +235,7 @@ bool is_tileset(std::string_view text) {
 }
 
 Status import_tileset(std::string_view text, const std::string& path, std::optional<EarthFrame>& earth,
-                      MeanColors& images, SceneBuilder& builder) {
+                      TextureImages& images, SceneBuilder& builder) {
   const std::filesystem::path file = std::filesystem::path(path).lexically_normal();
   TilesetWalk walk(file);
   ZC_TRY(walk.visit_tileset(text, file, glm::dmat4(1)));

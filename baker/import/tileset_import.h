@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "baker/import/earth_frame.h"
-#include "baker/import/mean_color.h"
 #include "baker/import/scene_builder.h"
+#include "baker/import/texture_images.h"
 #include "base/result.h"
 
 namespace zc {
@@ -22,6 +22,6 @@ bool is_tileset(std::string_view text);
 // Fails on implicit tiling, on required extensions that are not handled, on cycles and on files outside the folder of
 // `path`.
 Status import_tileset(std::string_view text, const std::string& path, std::optional<EarthFrame>& earth,
-                      MeanColors& images, SceneBuilder& builder);
+                      TextureImages& images, SceneBuilder& builder);
 
 }  // namespace zc

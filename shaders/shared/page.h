@@ -128,7 +128,8 @@ struct ClusterHeader {
 
 struct Look {
   uint material;  // 16 bits; from bit 16 what colours it (kLook…, 2 bits); from bit 18 the axis that its chart is seen
-                  // along (2 bits); from bit 20 log2 of how much wider than the zone's its texels are (3 bits)
+                  // along (2 bits); from bit 20 log2 of how much wider than the zone's its texels are (3 bits); from
+                  // bit 23 by how many 32nds of a power of two texels and colour are too bright (8 bits)
   uint place;  // kLookColor: sRGB, 8 bits each; kLookTextured: added to the texel, u and v, 16 bits each, signed
 };
 

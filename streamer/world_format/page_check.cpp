@@ -142,7 +142,7 @@ class PageCheck {
       if (material >= material_count_) return fault("material out of range", word);
       if (!has_looks()) continue;
       const std::uint32_t kind = page_[word] >> 16 & 3U;
-      if (kind > gpu::kLookTextured || page_[word] >> 23 != 0) return fault("a look of unknown kind", word);
+      if (kind > gpu::kLookTextured || page_[word] >> 31 != 0) return fault("a look of unknown kind", word);
       if (kind == gpu::kLookTextured && (header_.atlas_offset_words == 0 || (page_[word] >> 18 & 3U) > 2))
         return fault("a look without its atlas", word);
     }

@@ -200,6 +200,44 @@ TEST_F(CityJson, MissingTextureIsNotedAndItsMaterialColourUsed) {
   EXPECT_EQ(scene->materials[0].base_color, glm::vec3(1, 0, 0));
 }
 
+TEST_F(CityJson, TextureCoordinatesFollowTheirRings) {
+  const std::string png_bytes(
+      "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x02\0\0\0\x01\x08\x02\0\0\0\x7b\x40\xe8\xdd"
+      "\0\0\0\x0fIDATx\x9c\x63\x60\x60\x60\xf8\xff\xff\x3f\0\x06\x01\x02\xfe\x02\xb2\x39\xae"
+      "\0\0\0\0IEND\xae\x42\x60\x82",
+      72);
+  write("two.png", png_bytes);
+  const auto document_of = [](const std::string& values,
+                              const std::string& texture = R"({"image":"two.png","wrapMode":"clamp"})") {
+    return document(
+        R"("a":{"type":"Building","geometry":[{"type":"MultiSurface","lod":"2","boundaries":[[[0,1,5]],[[1,2,6]]],)"
+        R"("texture":{"v":{"values":)" +
+            values + "}}}]}",
+        kCubeVertices,
+        R"("appearance":{"textures":[)" + texture + R"(],"vertices-texture":[[0,0],[1,0.25],[0.5,1]]},)");
+  };
+  const auto scene = import_text("paint.json", document_of("[[[0,0,1,2]],[[null]]]"));
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  ASSERT_EQ(scene->texcoords.size(), 1U);
+  const auto& [triangle, uv] = scene->texcoords[0];
+  const Material& material = scene->materials[scene->triangle_material[triangle]];
+  ASSERT_TRUE(material.texture.has_value());
+  EXPECT_EQ(material.texture->wrap_u, TextureWrap::kClamp);
+  for (std::size_t k = 0; k < 3; ++k) {
+    // v runs downwards from here on; the surface is the corners (0 0 0), (1 0 0), (1 0 1) of the cube.
+    const glm::dvec3 p = scene->positions[scene->triangles[triangle][k]] - glm::dvec3(1000000, 2000000, 10);
+    const glm::vec2 expected = p.z > 0.5 ? glm::vec2(0.5F, 0) : (p.x > 0.5 ? glm::vec2(1, 0.75F) : glm::vec2(0, 1));
+    EXPECT_EQ(uv[k], expected) << k;
+  }
+  const auto short_ring = import_text("short.json", document_of("[[[0,0,1]],[[null]]]"));
+  ASSERT_TRUE(short_ring.ok()) << short_ring.error().describe();
+  EXPECT_TRUE(short_ring->texcoords.empty());
+  EXPECT_EQ(noted(*short_ring, "without texture coordinates"), 1U);
+  const auto wrong = import_text("wrong.json", document_of("[[[0,0,1,3]],[[null]]]"));
+  ASSERT_FALSE(wrong.ok());
+  EXPECT_NE(wrong.error().message.find("texture coordinate index 3 out of range"), std::string::npos);
+}
+
 TEST_F(CityJson, GeometryTemplatesArePlacedAtTheirReferencePoint) {
   const std::string templates =
       R"("geometry-templates":{"vertices-templates":[[0,0,0],[1,0,0],[0,1,0]],"templates":[{"type":"MultiSurface","lod":"2","boundaries":[[[0,1,2]]]}]},)";
@@ -242,9 +280,9 @@ TEST_F(CityJson, InputsWithDifferentReferenceSystemsDoNotMerge) {
   other.replace(other.find("7415"), 4, "2583");
   const std::vector<std::filesystem::path> inputs = {write("a.json", document(cube("a"), kCubeVertices)),
                                                      write("b.json", other)};
-  EXPECT_FALSE(import_inputs(inputs, {}).ok());
+  EXPECT_FALSE(import_inputs(inputs).ok());
   const std::vector<std::filesystem::path> same = {inputs[0], inputs[0]};
-  const auto scene = import_inputs(same, {});
+  const auto scene = import_inputs(same);
   ASSERT_TRUE(scene.ok());
   EXPECT_EQ(scene->objects.size(), 2U);
 }
@@ -261,7 +299,7 @@ class RealCity : public ::testing::TestWithParam<RealFile> {};
 TEST_P(RealCity, HasItsTrianglesAndObjects) {
   const std::filesystem::path path = data_folder() / GetParam().name;
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << GetParam().name << "; set ZONECAST_DATA";
-  const auto scene = import_inputs(std::span<const std::filesystem::path>(&path, 1), {});
+  const auto scene = import_inputs(std::span<const std::filesystem::path>(&path, 1));
   ASSERT_TRUE(scene.ok()) << scene.error().describe();
   expect_whole(*scene);
   EXPECT_EQ(scene->triangles.size(), GetParam().triangles);

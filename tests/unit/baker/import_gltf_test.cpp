@@ -216,6 +216,45 @@ TEST_F(Gltf, TextureColourIsTheMeanInLinearLight) {
   EXPECT_EQ(scene->materials[0].base_color, glm::vec3(0.25F, 0.125F, 0.5F));
 }
 
+TEST_F(Gltf, TextureCoordinatesAreMovedAsTheMaterialSays) {
+  const std::string png =
+      "data:image/png;base64,"
+      "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAIAAAB7QOjdAAAAD0lEQVR4nGNg"
+      "YGD4//8/AAYBAv4CsjmuAAAAAElFTkSuQmCC";
+  std::string json = triangle_json(
+      R"("mesh":0)", R"("images":[{"uri":")" + png +
+                         R"("}],"samplers":[{"wrapS":33071,"wrapT":33648}],"textures":[{"source":0,"sampler":0}],)");
+  const auto replace = [&](const std::string& what, const std::string& with) {
+    json.replace(json.find(what), what.size(), with);
+  };
+  // A quarter turn, twice as wide, then moved.
+  replace(
+      R"("metallicFactor")",
+      R"("baseColorTexture":{"index":0,"extensions":{"KHR_texture_transform":{"offset":[10,20],"rotation":1.5707963267948966,"scale":[2,1]}}},"metallicFactor")");
+  replace(R"("POSITION":0)", R"("POSITION":0,"TEXCOORD_0":2)");
+  replace(
+      R"("count":3,"type":"SCALAR"})",
+      R"("count":3,"type":"SCALAR"},{"bufferView":2,"componentType":5123,"normalized":true,"count":3,"type":"VEC2"})");
+  replace(R"("byteOffset":36,"byteLength":6})",
+          R"("byteOffset":36,"byteLength":6},{"buffer":0,"byteOffset":44,"byteLength":12})");
+  replace(R"("byteLength":42)", R"("byteLength":56)");
+  const auto scene = import_text("painted.glb", glb(json, triangle_bin() + shorts({0, 0, 0, 65535, 0, 0, 65535})));
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  ASSERT_EQ(scene->images.size(), 1U);
+  const auto& texture = scene->materials.at(0).texture;
+  ASSERT_TRUE(texture.has_value());
+  EXPECT_EQ(texture->wrap_u, TextureWrap::kClamp);
+  EXPECT_EQ(texture->wrap_v, TextureWrap::kMirror);
+  EXPECT_EQ(texture->factor, glm::vec3(0.5F, 0.25F, 1));
+  ASSERT_EQ(scene->texcoords.size(), 1U);
+  const auto near = [](glm::vec2 a, glm::vec2 b) { return glm::distance(a, b) < 1e-4F; };
+  const auto& uv = scene->texcoords[0].uv;
+  EXPECT_TRUE(near(uv[0], {10, 20})) << uv[0].x << ' ' << uv[0].y;
+  EXPECT_TRUE(near(uv[1], {10, 18})) << uv[1].x << ' '
+                                     << uv[1].y;  // u = 1 turns towards lower v: anticlockwise as seen
+  EXPECT_TRUE(near(uv[2], {11, 20})) << uv[2].x << ' ' << uv[2].y;
+}
+
 TEST_F(Gltf, WhatIsNotHandledIsNamed) {
   const auto scene = import_text(
       "ext.glb",

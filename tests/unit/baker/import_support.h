@@ -36,7 +36,7 @@ class ImportTest : public ::testing::Test {
     return path;
   }
   static Result<Scene> import(const std::filesystem::path& path) {
-    return import_inputs(std::span<const std::filesystem::path>(&path, 1), {});
+    return import_inputs(std::span<const std::filesystem::path>(&path, 1));
   }
   Result<Scene> import_text(const std::string& name, std::string_view text) const { return import(write(name, text)); }
 

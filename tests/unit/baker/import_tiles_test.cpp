@@ -367,7 +367,7 @@ TEST_F(EarthTiles, LaterTilesetsShareTheFirstOnesFrame) {
     return tileset("{" + region(place, 0.0001, 1) + "," + on_earth(place) + "," + content("a.glb") + "}");
   };
   const std::array inputs{write("one.json", text(kPlace)), write("two.json", text(north))};
-  const auto scene = import_inputs(inputs, {});
+  const auto scene = import_inputs(inputs);
   ASSERT_TRUE(scene.ok()) << scene.error().describe();
   ASSERT_EQ(scene->positions.size(), 6U);
   expect_flat_at(*scene, 0, glm::dvec3(0), 1e-7);
@@ -378,7 +378,7 @@ TEST_F(EarthTiles, LaterTilesetsShareTheFirstOnesFrame) {
   write("world.json", tileset(tile(content("a.glb")), R"("version":"1.1")",
                               R"("extras":{"zonecast_index":"world.zcw","crs":"EPSG:25832"},)"));
   const std::array mixed{inputs[0], folder_ / "world.json"};
-  const auto refusal = import_inputs(mixed, {});
+  const auto refusal = import_inputs(mixed);
   ASSERT_FALSE(refusal.ok());
   EXPECT_NE(refusal.error().message.find("reference system"), std::string::npos);
 }

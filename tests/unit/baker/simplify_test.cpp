@@ -88,7 +88,8 @@ TEST(Measure, AKnownOffsetIsFoundBothWays) {
   const DistanceBvh bvh(detail);
   const DetailSurface surface = {&detail, &bvh};
   const std::vector<Material> materials = {{"a", {0, 0, 0}}, {"b", {0.5F, 0.5F, 0.5F}}};
-  const SurfaceError error = measure_proxy(proxy, std::span(&surface, 1), materials, look_classes(materials), 1.0 / 256);
+  const SurfaceError error =
+      measure_proxy(proxy, std::span(&surface, 1), materials, look_classes(materials), 1.0 / 256);
   EXPECT_DOUBLE_EQ(error.max_m, 0.5);  // only the detail's upper sheet sees it
   EXPECT_NEAR(error.mean_m, 0.125, 1e-3);
   EXPECT_NEAR(error.color_error, 0.5, 1e-6);
