@@ -20,6 +20,8 @@
 #include "baker/bvh/build_page.h"
 #include "baker/cut.h"
 #include "baker/encode.h"
+#include "baker/light/light_threads.h"
+#include "baker/light/zone_light.h"
 #include "baker/proxy_tree.h"
 #include "baker/snap.h"
 #include "baker/tileset.h"
@@ -229,16 +231,38 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   report.seconds.encode = watch.lap();
 
   std::vector<ZoneAppearance> appearances(count);
+  const auto for_each_node = [&](const auto& work) {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, count, 1),
+        [&](const auto& range) {
+          for (std::size_t i = range.begin(); i != range.end(); ++i) {
+            work(i);
+            progress.step();
+          }
+        },
+        tbb::simple_partitioner());
+  };
   if (!textures.empty() && options.atlas_size > 0) {
     const std::vector<std::uint32_t> height = heights(index.nodes);
-    progress.begin("atlas", 0.92, 0.95, count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    progress.begin("atlas", 0.92, 0.93, count);
+    for_each_node([&](std::size_t i) {
       const AtlasOptions atlas{.max_size = std::max(options.atlas_size >> height[i], kSmallestAtlas)};
       appearances[i] = make_zone_looks(decoded[i], index.nodes[i], textures, materials, step_m, atlas);
-      progress.step();
     });
   }
   report.seconds.atlas = watch.lap();
+
+  if (options.light) {
+    progress.begin("light", 0.93, 0.95, count);
+    const auto threads = static_cast<unsigned>(tbb::this_task_arena::max_concurrency());
+    ZC_ASSIGN(const LightScene city, LightScene::build(decoded, index.nodes, materials, step_m, threads));
+    for_each_on_threads(count, threads, [&](std::size_t i) {
+      appearances[i].light = bake_zone_light(decoded[i], index.nodes[i], city, options.sun, step_m);
+      progress.step();
+    });
+    if (options.sun) index.header.sun = options.sun->pack();
+  }
+  report.seconds.light = watch.lap();
 
   progress.begin("bvh", 0.95, 1.0, count);
   const auto material_count = static_cast<std::uint32_t>(materials.size());

@@ -8,12 +8,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "baker/bvh/build_wide.h"
 #include "baker/scene.h"
 #include "base/result.h"
+#include "streamer/world_format/sun_angles.h"
 #include "streamer/world_format/world_index.h"
 
 namespace zc {
@@ -26,6 +28,8 @@ struct BakeOptions {
   BvhBuildOptions bvh;
   double error_m = 0.05;           // bound of leaf proxies
   std::uint32_t atlas_size = 512;  // of a leaf, texels, a power of two to 1024; halved level by level; 0: none
+  bool light = true;               // sky visibility and bounced light, for any sun
+  std::optional<SunAngles> sun;    // what it lights and what it does not is stored too
   std::int32_t step_log2 = kDefaultStepLog2;
   bool reuse = true;  // proxies of the world that is replaced, where what they were made of is the same; keeps them too
   // Called from any thread, one call at a time; fraction in 0..1.

@@ -18,13 +18,19 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> inputs;
-  std::string out;
+  std::string out, sun;
   BakeOptions options;
 };
 
 Status run(const Arguments& arguments) {
   Progress progress;
   BakeOptions options = arguments.options;
+  if (!arguments.sun.empty()) {
+    ZC_ASSIGN(options.sun, parse_sun(arguments.sun));
+    if (options.sun->elevation_deg < 0)
+      return Error{ErrorCode::kArgument, "a sun below the horizon lights nothing: '" + arguments.sun + "'"};
+    if (!options.light) return Error{ErrorCode::kArgument, "--sun needs light"};
+  }
   options.progress = [&](double fraction, std::string_view stage) { progress.update(fraction, stage); };
   progress.update(0, "import");
   const auto started = std::chrono::steady_clock::now();
@@ -75,6 +81,12 @@ void add_bake(CLI::App& app, const SetCommand& set) {
                    "Largest texture atlas of a zone, in texels a side, halved level by level; 0: mean colours only")
       ->capture_default_str()
       ->check(CLI::IsMember({0, 32, 64, 128, 256, 512, 1024}));
+  command->add_flag("!--no-light", arguments->options.light,
+                    "Bake no light: the sky reaches every surface and nothing shines back");
+  command->add_option(
+      "--sun", arguments->sun,
+      "Sun, azimuth (degrees clockwise from north) and elevation, as in 145,38: what it lights is stored too, "
+      "and needs no shadow rays while a replay's sun is the same");
   command->add_option("--threads", arguments->options.threads, "Threads (0: all cores)")
       ->capture_default_str()
       ->check(CLI::Range(0U, 256U));

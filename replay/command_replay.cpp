@@ -23,7 +23,7 @@ namespace {
 struct Arguments {
   std::string world, path, out;
   std::string cap;
-  std::string frames, size = "1280x720", sun = "145,38";
+  std::string frames, size = "1280x720", sun;
   std::string latency = "0s", bandwidth;
   std::string host_budget = "256MiB";
   std::string device;
@@ -36,24 +36,6 @@ struct Arguments {
   double look_ahead_s = 2;
   bool no_render = false, validate = false, contact_sheet = false, leave_nothing_out = false;
 };
-
-Status parse_sun(const std::string& text, RendererOptions& options) {
-  const std::size_t comma = text.find(',');
-  const auto number = [](const std::string& part, float& value) {
-    std::size_t used = 0;
-    try {
-      value = std::stof(part, &used);
-    } catch (const std::exception&) {
-      return false;
-    }
-    return used == part.size() && std::isfinite(value);
-  };
-  if (comma == std::string::npos || !number(text.substr(0, comma), options.sun_azimuth_deg) ||
-      !number(text.substr(comma + 1), options.sun_elevation_deg) || options.sun_elevation_deg < -90 ||
-      options.sun_elevation_deg > 90)
-    return Error{ErrorCode::kArgument, "'" + text + "' is not a sun direction such as 145,38 (azimuth, elevation)"};
-  return {};
-}
 
 Status parse_kernel(const std::string& text, ReplayOptions& options) {
   options.kernel = text == "auto"      ? KernelChoice::kAuto
@@ -89,7 +71,9 @@ Result<ReplayOptions> to_options(const Arguments& a) {
     ZC_ASSIGN(options.frames, parse_frames(a.frames));
   }
   ZC_ASSIGN(const PictureSize size, parse_size(a.size));
-  ZC_TRY(parse_sun(a.sun, options.renderer));
+  if (!a.sun.empty()) {
+    ZC_ASSIGN(options.sun, parse_sun(a.sun));
+  }
   ZC_TRY(parse_kernel(a.kernel, options));
   options.renderer.width = size.width;
   options.renderer.height = size.height;
@@ -168,7 +152,8 @@ void add_replay(CLI::App& app, const SetCommand& set) {
                                                                            {"depth", DebugView::kDepth}}))
       ->option_text("provenance,bvh,normals,depth");
   command->add_flag("--contact-sheet", a->contact_sheet, "Also write contact_sheet.png: twelve frames on one picture");
-  command->add_option("--sun", a->sun, "Sun: azimuth (degrees clockwise from north), elevation")->capture_default_str();
+  command->add_option("--sun", a->sun,
+                      "Sun: azimuth (degrees clockwise from north), elevation [the world's, else 145,38]");
   command->add_option("--clock", a->clock, "virtual: same path, same log; wall: measures this machine")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, ClockKind>{{"virtual", ClockKind::kVirtual}, {"wall", ClockKind::kWall}}))

@@ -182,6 +182,13 @@ class Session {
     mirrors_ = std::ranges::any_of(
         index.materials, [&](const MaterialRecord& m) { return m.roughness < options_.renderer.roughness_cut; });
     RendererOptions renderer = options_.renderer;
+    const std::optional<SunAngles> baked = SunAngles::unpack(index.header.sun);
+    const SunAngles sun = options_.sun.value_or(baked.value_or(SunAngles{145, 38}));
+    renderer.sun_azimuth_deg = sun.azimuth_deg;
+    renderer.sun_elevation_deg = sun.elevation_deg;
+    renderer.sun_is_baked =
+        baked && sun.elevation_deg >= 0 && sun.pack() == index.header.sun && !options_.leave_nothing_out;
+    sun_is_baked_ = renderer.sun_is_baked;
     renderer.page_depth = deepest_page(index);
     renderer.max_zones = max_zones;
     if (!mirrors_ && !options_.leave_nothing_out) renderer.reflections = ReflectionMode::kNone;
@@ -374,6 +381,7 @@ class Session {
       report_.trace_variant = trace_variant_name(drawing_.renderer->trace_variant());
       if (!options_.leave_nothing_out) {
         report_.left_out.emplace_back("gbuffer: zones outside the view");
+        if (sun_is_baked_) report_.left_out.emplace_back("shadow rays: where the bake says what the sun lights");
         report_.left_out.emplace_back("filter: every mirror is exactly specular");
         if (!mirrors_) {
           report_.left_out.emplace_back("hiz, ssr, trace, shade: no material of this world mirrors");
@@ -398,6 +406,7 @@ class Session {
   std::optional<FrameLog> log_;
   std::vector<Picture> tiles_;
   bool mirrors_ = false;
+  bool sun_is_baked_ = false;
   bool measure_kernels_ = false;                   // as soon as a frame queues rays enough
   std::chrono::steady_clock::time_point started_;  // of the path's first frame, on the wall clock
   std::uint64_t peak_rss_ = 0;

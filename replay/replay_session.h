@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,7 @@ struct ReplayOptions {
   std::string device;
   bool validation = false;
   RendererOptions renderer;
+  std::optional<SunAngles> sun;  // none: the bake's, where it had one
   KernelChoice kernel = KernelChoice::kFixed;
   std::filesystem::path variant_cache;  // a file; empty: nothing is read or kept
   std::vector<DebugView> debug_views;

@@ -110,4 +110,19 @@ Result<PictureSize> parse_size(const std::string& text) {
   return PictureSize{static_cast<std::uint32_t>((*values)[0]), static_cast<std::uint32_t>((*values)[1])};
 }
 
+Result<SunAngles> parse_sun(const std::string& text) {
+  const auto number = [](std::string_view part, float& value) {
+    const auto [end, failure] = std::from_chars(part.data(), part.data() + part.size(), value);
+    return failure == std::errc() && end == part.data() + part.size() && std::isfinite(value);
+  };
+  SunAngles sun;
+  const std::string_view view = text;
+  const std::size_t comma = view.find(',');
+  if (comma == std::string_view::npos || !number(view.substr(0, comma), sun.azimuth_deg) ||
+      !number(view.substr(comma + 1), sun.elevation_deg) || std::abs(sun.azimuth_deg) > 360 ||
+      std::abs(sun.elevation_deg) > 90)
+    return Error{ErrorCode::kArgument, "'" + text + "' is not a sun direction such as 145,38 (azimuth, elevation)"};
+  return sun;
+}
+
 }  // namespace zc

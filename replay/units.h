@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "streamer/world_format/sun_angles.h"
 
 namespace zc {
 
@@ -27,5 +28,7 @@ struct PictureSize {
   std::uint32_t height = 720;
 };
 Result<PictureSize> parse_size(const std::string& text);  // "1280x720"
+
+Result<SunAngles> parse_sun(const std::string& text);  // "145,38": azimuth, elevation (-90 to 90)
 
 }  // namespace zc

@@ -74,7 +74,7 @@ void Renderer::write_frame(const RenderCamera& camera) {
                           std::sin(elevation), options_.roughness_cut};
   frame_.sun_radiance = {1.75F, 1.58F, 1.32F, static_cast<float>(camera.step_m)};
   frame_.sets = {proxies_.root_word(), proxies_.zone_count(), host_.root_word(), host_.zone_count()};
-  frame_.set_ends = {proxies_.end_word(), host_.end_word(), 0, 0};
+  frame_.set_ends = {proxies_.end_word(), host_.end_word(), options_.sun_is_baked ? 1U : 0U, 0};
   frame_.camera_lattice = {camera.lattice[0], camera.lattice[1], camera.lattice[2], 0};
   std::memcpy(frame_buffer_.mapped().data(), &frame_, sizeof(frame_));
 }

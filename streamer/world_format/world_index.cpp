@@ -11,6 +11,7 @@
 #include "base/check.h"
 #include "shaders/shared/page.h"
 #include "streamer/world_format/bvh_page.h"
+#include "streamer/world_format/sun_angles.h"
 
 namespace zc {
 namespace {
@@ -153,6 +154,8 @@ Status check_header(const WorldHeader& header, std::uint64_t file_bytes, const s
                  "is " + std::to_string(file_bytes) + " bytes, its counts ask for " + std::to_string(expected), path};
   if (header.step_log2 < -30 || header.step_log2 > 10)
     return fault("lattice step out of range", offsetof(WorldHeader, step_log2));
+  if (header.sun != 0 && !SunAngles::unpack(header.sun))
+    return fault("no sun stands there", offsetof(WorldHeader, sun));
   if (!ordered(header.bounds_min, header.bounds_max)) return fault("empty bounds", offsetof(WorldHeader, bounds_min));
   return {};
 }

@@ -34,7 +34,7 @@ struct WorldHeader {
   std::uint32_t material_count = 0;
   std::uint32_t crs_bytes = 0;
   std::int32_t step_log2 = kDefaultStepLog2;
-  std::uint32_t reserved = 0;
+  std::uint32_t sun = 0;                    // SunAngles::pack(), of the lit and shadowed triangles; 0: none
   std::array<std::int64_t, 3> anchor = {};  // lattice units, whole metres
   std::array<std::int32_t, 3> bounds_min = {};
   std::array<std::int32_t, 3> bounds_max = {};
