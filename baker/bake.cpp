@@ -25,7 +25,6 @@
 #include "baker/proxy_tree.h"
 #include "baker/snap.h"
 #include "baker/tileset.h"
-#include "baker/world_writer.h"
 #include "streamer/world_format/bvh_page.h"
 
 namespace zc {
@@ -176,8 +175,7 @@ std::uint64_t peak_rss_bytes() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& options, const std::filesystem::path& old,
-                        WorldWriter& writer) {
+Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& options, WorldWriter& writer) {
   Stopwatch all;
   Stopwatch watch;
   Progress progress(options);
@@ -207,7 +205,7 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   const std::vector<std::uint16_t> looks = look_classes(materials);
   const SimplifyContext context = {nullptr, materials, looks, step_m, options.error_m, options.leaf_triangles};
   ProxyCache cache;
-  if (options.reuse) cache.read(old / kProxyCacheName, materials.size());
+  if (options.reuse) cache.read(writer.out() / kProxyCacheName, materials.size());
   ZC_ASSIGN(const ProxyTree proxies, build_proxies(std::move(tree), context, cache, [&] { progress.step(); }));
   if (options.reuse) ZC_TRY(writer.write(kProxyCacheName, cache.encode()));
   report.proxies_reused = cache.found();
@@ -298,18 +296,22 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
 
 Result<BakeReport> bake_world(Scene&& scene, double import_s, const BakeOptions& options,
                               const std::filesystem::path& out) {
+  ZC_ASSIGN(WorldWriter writer, WorldWriter::open(out));
+  return bake_world(std::move(scene), import_s, options, std::move(writer));
+}
+
+Result<BakeReport> bake_world(Scene&& scene, double import_s, const BakeOptions& options, WorldWriter writer) {
   if (options.leaf_triangles < 16)
     return Error{ErrorCode::kArgument,
                  "zones need at least 16 triangles, got " + std::to_string(options.leaf_triangles)};
   if (!(options.error_m > 0 && options.error_m <= 1000))
     return Error{ErrorCode::kArgument, "the error bound must be above 0 and at most 1000 m"};
-  ZC_ASSIGN(WorldWriter writer, WorldWriter::open(out));
   const unsigned threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
   // As many threads as asked for, also when there are fewer cores.
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   tbb::task_arena arena(static_cast<int>(threads));
   std::optional<Result<BakeReport>> report;
-  arena.execute([&] { report.emplace(bake(std::move(scene), import_s, options, out, writer)); });
+  arena.execute([&] { report.emplace(bake(std::move(scene), import_s, options, writer)); });
   if (!report->ok()) return *std::move(report);
   ZC_TRY(writer.commit());
   return *std::move(report);

@@ -14,6 +14,7 @@
 
 #include "baker/bvh/build_wide.h"
 #include "baker/scene.h"
+#include "baker/world_writer.h"
 #include "base/result.h"
 #include "streamer/world_format/sun_angles.h"
 #include "streamer/world_format/world_index.h"
@@ -57,6 +58,8 @@ struct BakeReport {
   std::uint64_t peak_rss_bytes = 0;  // of the process
 };
 
+// writer: opened before the import, so that a place that will not do is known before the work.
+Result<BakeReport> bake_world(Scene&& scene, double import_s, const BakeOptions& options, WorldWriter writer);
 Result<BakeReport> bake_world(Scene&& scene, double import_s, const BakeOptions& options,
                               const std::filesystem::path& out);
 

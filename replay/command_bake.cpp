@@ -23,6 +23,7 @@ struct Arguments {
 };
 
 Status run(const Arguments& arguments) {
+  ZC_ASSIGN(WorldWriter writer, WorldWriter::open(arguments.out));
   Progress progress;
   BakeOptions options = arguments.options;
   if (!arguments.sun.empty()) {
@@ -37,7 +38,7 @@ Status run(const Arguments& arguments) {
   const std::vector<std::filesystem::path> inputs(arguments.inputs.begin(), arguments.inputs.end());
   ZC_ASSIGN(Scene scene, import_inputs(inputs));
   const std::chrono::duration<double> import_s = std::chrono::steady_clock::now() - started;
-  Result<BakeReport> baked = bake_world(std::move(scene), import_s.count(), options, arguments.out);
+  Result<BakeReport> baked = bake_world(std::move(scene), import_s.count(), options, std::move(writer));
   if (!baked) {
     Error error = std::move(baked).error();  // of the scene as a whole: its first file stands for it
     if (error.path.empty() && error.code != ErrorCode::kArgument) error.path = arguments.inputs.front();
