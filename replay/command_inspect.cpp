@@ -5,6 +5,7 @@
 
 #include "replay/commands.h"
 #include "replay/progress.h"
+#include "replay/thesis_table.h"
 #include "replay/units.h"
 #include "replay/world_report.h"
 
@@ -33,6 +34,10 @@ void print_table(const nlohmann::ordered_json& json) {
               << level["error_m_mean"].get<double>() << std::setw(12) << level["appearance_error_m_max"].get<double>()
               << '\n';
   }
+  std::cout << "\nresident bytes a proxy triangle:" << std::setprecision(2);
+  for (const auto& [part, bytes] : json["resident_bytes_per_triangle"].items())
+    std::cout << ' ' << part << ' ' << bytes.get<double>() << (part == "total" ? "\n\n" : ",");
+  print_thesis_table(std::cout, json["table_4_1"]);
 }
 
 Status run(const Arguments& arguments) {

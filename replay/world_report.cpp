@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "replay/thesis_table.h"
 #include "shaders/shared/page.h"
 #include "streamer/page_loader.h"
 #include "streamer/streamer.h"
@@ -15,6 +16,7 @@ constexpr const char* kBakeReport = "bake.json";
 
 struct Level {
   std::uint64_t nodes = 0, triangles = 0, bvh_nodes = 0, page_bytes = 0;
+  std::uint64_t look_bytes = 0, light_bytes = 0, normal_bytes = 0, texture_bytes = 0;
   double error_max_m = 0, error_sum_m = 0, appearance_max_m = 0;
 
   void add(const NodeRecord& node) {
@@ -22,27 +24,48 @@ struct Level {
     triangles += node.triangle_count;
     bvh_nodes += node.bvh_node_count;
     page_bytes += node.page_bytes;
+    look_bytes += node.look_bytes;
+    light_bytes += node.light_bytes;
+    normal_bytes += node.normal_bytes;
+    texture_bytes += node.texture_bytes;
     error_max_m = std::max(error_max_m, static_cast<double>(node.error_max_m));
     appearance_max_m = std::max(appearance_max_m, static_cast<double>(node.appearance_error_m));
     error_sum_m += static_cast<double>(node.error_mean_m) * node.triangle_count;
   }
 
-  [[nodiscard]] nlohmann::ordered_json to_json() const {
+  [[nodiscard]] double per_triangle(double value) const {
+    return value / static_cast<double>(std::max<std::uint64_t>(triangles, 1));
+  }
+
+  // Resident, without the index.
+  [[nodiscard]] nlohmann::ordered_json parts() const {
     const std::uint64_t tree_bytes = nodes * sizeof(gpu::PageHeader) + bvh_nodes * sizeof(gpu::PageNode);
-    const double count = static_cast<double>(std::max<std::uint64_t>(triangles, 1));
+    const std::uint64_t rest = tree_bytes + look_bytes + light_bytes + normal_bytes + texture_bytes;
+    return {{"nodes", tree_bytes},
+            {"triangles", page_bytes - std::min(page_bytes, rest)},  // clusters: triangles, vertices, materials
+            {"normals", normal_bytes},
+            {"uv", look_bytes},  // charts stand in for coordinates
+            {"light", light_bytes},
+            {"texture", texture_bytes}};
+  }
+
+  [[nodiscard]] nlohmann::ordered_json to_json() const {
+    nlohmann::ordered_json bytes = parts();
+    bytes["index"] = nodes * sizeof(NodeRecord);
     return {{"nodes", nodes},
             {"triangles", triangles},
-            {"bytes",
-             {{"nodes", tree_bytes},
-              {"triangles", page_bytes - tree_bytes},  // clusters: triangles, vertices, materials
-              {"normals", 0},  // computed from the triangle where it is hit
-              {"uv", 0},
-              {"texture", 0},
-              {"index", nodes * sizeof(NodeRecord)}}},
-            {"bytes_per_triangle", static_cast<double>(page_bytes) / count},
+            {"bytes", std::move(bytes)},
+            {"bytes_per_triangle", per_triangle(static_cast<double>(page_bytes))},
             {"error_m_max", error_max_m},
-            {"error_m_mean", error_sum_m / count},
+            {"error_m_mean", per_triangle(error_sum_m)},
             {"appearance_error_m_max", appearance_max_m}};
+  }
+
+  [[nodiscard]] nlohmann::ordered_json parts_per_triangle() const {
+    nlohmann::ordered_json json = parts();
+    for (auto& bytes : json) bytes = per_triangle(bytes.get<double>());
+    json["total"] = per_triangle(static_cast<double>(page_bytes));
+    return json;
   }
 };
 
@@ -55,7 +78,7 @@ Result<WorldIndex> read_world_index(Source& source, const std::filesystem::path&
 
 nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index) {
   std::map<std::uint32_t, Level> levels;
-  Level detail;
+  Level detail, proxies;
   std::uint64_t zones = 0, decoded = 0, glb = 0, zbvh = 0;
   for (const NodeRecord& node : index.nodes) {
     glb += node.glb_bytes;
@@ -66,6 +89,7 @@ nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index) {
     } else {
       decoded += node.page_bytes;
       levels[node.depth].add(node);
+      proxies.add(node);
     }
   }
   nlohmann::ordered_json json;
@@ -84,13 +108,17 @@ nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index) {
   nlohmann::ordered_json row = {{"depth", nullptr}, {"detail", true}};
   row.update(detail.to_json());
   json["levels"].push_back(std::move(row));
+  json["resident_bytes_per_triangle"] = proxies.parts_per_triangle();
   json["disk_bytes"] = {{"glb", glb}, {"zbvh", zbvh}, {"index", encode_world_index(index).size()}};
   const auto bake = source.read_all(kBakeReport, 1 << 20);
   if (bake) {
     const auto* text = reinterpret_cast<const char*>(bake->data());
     const auto report = nlohmann::ordered_json::parse(text, text + bake->size(), nullptr, false);
-    if (report.is_object() && report.contains("bake_s")) json["bake_s"] = report["bake_s"];
+    if (report.is_object() && report.value("bake_s", nlohmann::ordered_json()).is_object())
+      json["bake_s"] = report["bake_s"];
   }
+  json["table_4_1"] =
+      thesis_table(index, json.value(nlohmann::ordered_json::json_pointer("/bake_s/bvh"), nlohmann::ordered_json()));
   return json;
 }
 

@@ -2,6 +2,7 @@
 """The main job on a generated city: generate, bake, inspect, replay with pictures."""
 import csv
 import json
+import shutil
 
 import support
 
@@ -62,7 +63,36 @@ class MainJob(support.Case):
         self.assertEqual(report["verified"], {"nodes": report["nodes"], "failures": 0})
         on_disk = sum(path.stat().st_size for path in self.world.rglob("*.glb"))
         self.assertEqual(report["disk_bytes"]["glb"], on_disk)
-        self.assertIn("zones", self.zonecast("inspect", self.world))
+        shown = self.zonecast("inspect", self.world)
+        self.assertIn("zones", shown)
+        self.assertIn("thesis 4.1", shown)
+        resident = report["resident_bytes_per_triangle"]
+        self.assertAlmostEqual(sum(resident.values()), 2 * resident["total"], places=6)
+        proxies = [level for level in report["levels"] if not level["detail"]]
+        triangles = sum(level["triangles"] for level in proxies)
+        self.assertAlmostEqual(resident["total"] * triangles, report["decoded_bytes"], delta=1)
+
+    def test_inspect_holds_a_world_against_the_thesis(self):
+        """Its table 4.1, as published, and the leaf proxies of ours."""
+        report = json.loads(self.zonecast("inspect", self.world, "--json"))
+        thesis, ours = report["table_4_1"]["thesis"], report["table_4_1"]["world"]
+        self.assertEqual(thesis["zone_bytes"]["total"], 1_091_962)
+        self.assertAlmostEqual(thesis["bytes_per_triangle"], 81, delta=1)
+        self.assertEqual(ours["zones"], report["zones"])
+        detail = [level["triangles"] for level in report["levels"] if level["detail"]]
+        self.assertLessEqual(ours["triangles"], detail[0])
+        self.assertLess(ours["bytes_per_triangle"], thesis["bytes_per_triangle"] / 4)
+        parts = [value for part, value in ours["zone_bytes"].items() if part != "total"]
+        self.assertAlmostEqual(sum(parts), ours["zone_bytes"]["total"], delta=len(parts))
+        self.assertEqual(ours["bvh_build_s"], report["bake_s"]["bvh"])
+        for other in ("{}", '{"bake_s": [1]}', "no JSON"):
+            copy = self.folder / "copy"
+            shutil.copytree(self.world, copy)
+            (copy / "bake.json").write_text(other)
+            report = json.loads(self.zonecast("inspect", copy, "--json"))
+            self.assertNotIn("bake_s", report)
+            self.assertIsNone(report["table_4_1"]["world"]["bvh_build_s"])
+            shutil.rmtree(copy)
 
     def test_tileset_names_every_zone_file(self):
         tileset = json.loads((self.world / "tileset.json").read_text())
