@@ -63,7 +63,7 @@ void add_bake(CLI::App& app, const SetCommand& set) {
   CLI::App* command = app.add_subcommand("bake", "Bake city models into a world of zones");
   command
       ->add_option("inputs", arguments->inputs,
-                   "glTF, GLB, CityJSON 1.1/2.0, CityJSONSeq or 3D Tiles 1.0/1.1 (tileset.json) files")
+                   "glTF, GLB, CityJSON 1.1/2.0, CityJSONSeq, CityGML 2.0 or 3D Tiles 1.0/1.1 (tileset.json) files")
       ->required();
   command->add_option("-o,--output", arguments->out, "World folder to write; an old world there is replaced")
       ->required();

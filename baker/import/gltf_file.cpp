@@ -25,12 +25,23 @@ constexpr std::uint32_t kChunkBin = 0x004E4942;   // "BIN\0"
 constexpr std::uint64_t kMaxBufferBytes = std::uint64_t{1} << 34U;
 
 // Extensions that leave positions, indices and node transforms as they are, besides the three that are followed.
-constexpr std::array<std::string_view, 15> kHandled = {
-    "KHR_draco_mesh_compression", "KHR_mesh_quantization",  "KHR_texture_transform",
-    "KHR_texture_basisu",         "EXT_texture_webp",       "EXT_texture_avif",
-    "KHR_lights_punctual",        "KHR_xmp_json_ld",        "EXT_mesh_features",
-    "EXT_structural_metadata",    "EXT_instance_features",  "KHR_animation_pointer",
-    "MSFT_texture_dds",           "EXT_lights_image_based", "CESIUM_RTC"};
+constexpr std::array<std::string_view, 17> kHandled = {"EXT_mesh_gpu_instancing",
+                                                       "EXT_meshopt_compression",
+                                                       "KHR_draco_mesh_compression",
+                                                       "KHR_mesh_quantization",
+                                                       "KHR_texture_transform",
+                                                       "KHR_texture_basisu",
+                                                       "EXT_texture_webp",
+                                                       "EXT_texture_avif",
+                                                       "KHR_lights_punctual",
+                                                       "KHR_xmp_json_ld",
+                                                       "EXT_mesh_features",
+                                                       "EXT_structural_metadata",
+                                                       "EXT_instance_features",
+                                                       "KHR_animation_pointer",
+                                                       "MSFT_texture_dds",
+                                                       "EXT_lights_image_based",
+                                                       "CESIUM_RTC"};
 
 std::uint32_t word(std::span<const std::byte> bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -237,6 +248,7 @@ json reduced(const json& document) {
 Result<std::span<const std::byte>> GltfFile::view(int buffer_view) const {
   if (buffer_view < 0 || static_cast<std::size_t>(buffer_view) >= model.bufferViews.size())
     return error("bufferView " + std::to_string(buffer_view) + " does not exist");
+  if (const auto decoded = decoded_views.find(buffer_view); decoded != decoded_views.end()) return decoded->second;
   const tinygltf::BufferView& entry = model.bufferViews[static_cast<std::size_t>(buffer_view)];
   const auto index = static_cast<std::size_t>(entry.buffer);
   if (entry.buffer < 0 || index >= buffers.size() || entry.byteOffset > buffers[index].size() ||
@@ -269,6 +281,7 @@ Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path
     ZC_TRY(check_required(document, path));
     ZC_TRY(load_buffers(document, chunks.bin, is_glb, root, file));
     ZC_TRY(check_views(document, file));
+    ZC_TRY(decode_meshopt_views(document, file));
     ZC_TRY(read_images(document, root, file));
     ZC_TRY(read_center(document, file));
     text = reduced(document).dump(-1, ' ', false, json::error_handler_t::replace);

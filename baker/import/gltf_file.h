@@ -13,6 +13,8 @@
 #include <cstddef>
 #include <filesystem>
 #include <glm/vec3.hpp>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,7 +35,8 @@ struct GltfFile {
   glm::dvec3 center{0};   // that positions are relative to, z up
   std::vector<GltfImage> images;
   std::vector<std::span<const std::byte>> buffers;
-  std::vector<std::vector<std::byte>> owned;  // what `buffers` point into
+  std::map<int, std::span<const std::byte>> decoded_views;  // of EXT_meshopt_compression
+  std::vector<std::vector<std::byte>> owned;                // what all of these point into
 
   [[nodiscard]] Error error(std::string message) const { return {ErrorCode::kFormat, std::move(message), path}; }
   // Fails when the index is out of range. Ranges were checked when the file was read.
@@ -43,5 +46,8 @@ struct GltfFile {
 // `bytes` is the model in the file at `path`, GLB or JSON; external buffers lie beside it, and within `root` unless
 // that is empty. Fails on lengths that disagree with the file and on required extensions that are not handled, named.
 Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path, const std::filesystem::path& root);
+
+// `document` is the file's JSON, checked as far as its buffer views. Fills in decoded_views.
+Status decode_meshopt_views(const nlohmann::json& document, GltfFile& file);
 
 }  // namespace zc

@@ -90,6 +90,23 @@ Status apply_sparse(const GltfFile& file, const tinygltf::Accessor& accessor, st
   return {};
 }
 
+// Triangles of a list, strip or fan over `count` corners.
+std::vector<std::array<std::uint32_t, 3>> corners_of(int mode, std::uint32_t count) {
+  std::vector<std::array<std::uint32_t, 3>> corners;
+  if (count < 3) return corners;
+  if (mode == TINYGLTF_MODE_TRIANGLES) {
+    for (std::uint32_t i = 0; i + 2 < count; i += 3) corners.push_back({i, i + 1, i + 2});
+  } else if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+    for (std::uint32_t i = 0; i + 2 < count; ++i)
+      corners.push_back(i % 2 == 0 ? std::array{i, i + 1, i + 2} : std::array{i, i + 2, i + 1});
+  } else {
+    for (std::uint32_t i = 1; i + 1 < count; ++i) corners.push_back({i, i + 1, 0});
+  }
+  return corners;
+}
+
+}  // namespace
+
 Result<std::vector<double>> read_accessor(const GltfFile& file, int index, int wanted_type, std::size_t components,
                                           const std::string& where) {
   if (index < 0 || static_cast<std::size_t>(index) >= file.model.accessors.size())
@@ -111,23 +128,6 @@ Result<std::vector<double>> read_accessor(const GltfFile& file, int index, int w
   for (double& value : values) value = dequantised(value, accessor.componentType, accessor.normalized);
   return values;
 }
-
-// Triangles of a list, strip or fan over `count` corners.
-std::vector<std::array<std::uint32_t, 3>> corners_of(int mode, std::uint32_t count) {
-  std::vector<std::array<std::uint32_t, 3>> corners;
-  if (count < 3) return corners;
-  if (mode == TINYGLTF_MODE_TRIANGLES) {
-    for (std::uint32_t i = 0; i + 2 < count; i += 3) corners.push_back({i, i + 1, i + 2});
-  } else if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
-    for (std::uint32_t i = 0; i + 2 < count; ++i)
-      corners.push_back(i % 2 == 0 ? std::array{i, i + 1, i + 2} : std::array{i, i + 2, i + 1});
-  } else {
-    for (std::uint32_t i = 1; i + 1 < count; ++i) corners.push_back({i, i + 1, 0});
-  }
-  return corners;
-}
-
-}  // namespace
 
 double dequantised(double stored, int component_type, bool normalized) {
   if (!normalized) return stored;

@@ -24,6 +24,10 @@ struct GltfGeometry {
 Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, int texcoord,
                                     const std::string& where);
 
+// Numbers of an accessor, components of an element after each other; normalised ones as KHR_mesh_quantization says.
+Result<std::vector<double>> read_accessor(const GltfFile& file, int index, int wanted_type, std::size_t components,
+                                          const std::string& where);
+
 // The KHR_draco_mesh_compression extension of a primitive that has it.
 Result<GltfGeometry> read_draco_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, int texcoord,
                                           const std::string& where);

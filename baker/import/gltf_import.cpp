@@ -17,6 +17,9 @@
 namespace zc {
 namespace {
 
+// Of one node's instances together: every one becomes an object of its own.
+constexpr std::uint64_t kMaxInstancedTriangles = std::uint64_t{1} << 28U;
+
 // Turns the axis to z. Columns.
 glm::dmat4 upright(UpAxis up) {
   switch (up) {
@@ -130,16 +133,64 @@ class GltfImport {
       return file_.error("node " + std::to_string(index) + " names mesh " + std::to_string(node.mesh) +
                          ", which does not exist");
     if (!meshes_[mesh_index]) ZC_TRY(load_mesh(mesh_index));
-    if (node.extensions.contains("EXT_mesh_gpu_instancing"))
-      builder_.note("nodes with EXT_mesh_gpu_instancing, drawn once");
+    const std::string id = node.name.empty() ? "node_" + std::to_string(index) : node.name;
+    const auto instancing = node.extensions.find("EXT_mesh_gpu_instancing");
+    if (instancing == node.extensions.end()) return add_object(id, node.mesh, world);
+    ZC_ASSIGN(const std::vector<glm::dmat4> places, instances(instancing->second, index));
+    std::uint64_t triangles = 0;
+    for (const Part& part : *meshes_[mesh_index]) triangles += part.geometry.triangles.size();
+    if (triangles * places.size() > kMaxInstancedTriangles)
+      return Error{ErrorCode::kUnsupported,
+                   "node " + std::to_string(index) + " draws " + std::to_string(places.size()) + " instances of " +
+                       std::to_string(triangles) + " triangles",
+                   file_.path};
+    for (std::size_t i = 0; i < places.size(); ++i)
+      ZC_TRY(add_object(id + "_" + std::to_string(i), node.mesh, world * places[i]));
+    return {};
+  }
+
+  // EXT_mesh_gpu_instancing: where each instance stands in the node's frame.
+  [[nodiscard]] Result<std::vector<glm::dmat4>> instances(const tinygltf::Value& extension, std::size_t node) const {
+    const std::string where = "node " + std::to_string(node) + " EXT_mesh_gpu_instancing";
+    const tinygltf::Value& attributes = extension.Get("attributes");
+    std::optional<std::size_t> count;
+    const auto read = [&](const char* name, int type, std::size_t components) -> Result<std::vector<double>> {
+      const tinygltf::Value& accessor = attributes.Get(name);
+      if (!accessor.IsInt()) return std::vector<double>{};
+      ZC_ASSIGN(std::vector<double> values,
+                read_accessor(file_, accessor.GetNumberAsInt(), type, components, where + " " + name));
+      if (count && *count != values.size() / components) return file_.error(where + " has lists of different lengths");
+      count = values.size() / components;
+      return values;
+    };
+    ZC_ASSIGN(const std::vector<double> moved, read("TRANSLATION", TINYGLTF_TYPE_VEC3, 3));
+    ZC_ASSIGN(const std::vector<double> turned, read("ROTATION", TINYGLTF_TYPE_VEC4, 4));
+    ZC_ASSIGN(const std::vector<double> scaled, read("SCALE", TINYGLTF_TYPE_VEC3, 3));
+    std::vector<glm::dmat4> places(count.value_or(0), glm::dmat4(1));
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (!turned.empty()) {
+        const glm::dquat turn(turned[4 * i + 3], turned[4 * i], turned[4 * i + 1], turned[4 * i + 2]);
+        if (glm::length(turn) > 0) places[i] = glm::mat4_cast(glm::normalize(turn));
+      }
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto at = 3 * i + static_cast<std::size_t>(axis);
+        if (!scaled.empty()) places[i][axis] *= scaled[at];
+        if (!moved.empty()) places[i][3][axis] = moved[at];
+      }
+    }
+    return places;
+  }
+
+  Status add_object(const std::string& id, int mesh, const glm::dmat4& world) {
+    const auto mesh_index = static_cast<std::size_t>(mesh);
     ObjectMesh object;
-    object.id = node.name.empty() ? "node_" + std::to_string(index) : node.name;
-    object.kind = kind_of(object.id);
+    object.id = id;
+    object.kind = kind_of(id);
     const bool mirrored = glm::determinant(glm::dmat3(world)) < 0;
     for (const Part& part : *meshes_[mesh_index]) {
       const std::size_t base = object.positions.size();
       if (base + part.geometry.positions.size() > 0xFFFF'FFFFU)
-        return Error{ErrorCode::kUnsupported, "mesh " + std::to_string(node.mesh) + " has more than 2^32 vertices",
+        return Error{ErrorCode::kUnsupported, "mesh " + std::to_string(mesh) + " has more than 2^32 vertices",
                      file_.path};
       for (const glm::dvec3& p : part.geometry.positions) object.positions.emplace_back(world * glm::dvec4(p, 1));
       const auto& uv = part.geometry.texcoords;

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "baker/import/citygml_import.h"
 #include "baker/import/cityjson_import.h"
 #include "baker/import/earth_frame.h"
 #include "baker/import/gltf_import.h"
@@ -47,12 +48,14 @@ Status import_one(const std::filesystem::path& input, std::optional<EarthFrame>&
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   const std::size_t start = text.find_first_not_of(kBlank);
   if (size == 0) return Error{ErrorCode::kFormat, "file is empty", path};
-  if (!is_glb && (start == std::string_view::npos || text[start] != '{'))
-    return Error{ErrorCode::kUnsupported, "is neither glTF, GLB, CityJSON, CityJSONSeq nor a 3D Tiles tileset", path,
-                 0};
-  if (!is_glb && is_sequence(input)) return import_cityjson_seq(path, images, builder);
+  const bool is_xml = start != std::string_view::npos && text[start] == '<';
+  if (!is_glb && !is_xml && (start == std::string_view::npos || text[start] != '{'))
+    return Error{ErrorCode::kUnsupported,
+                 "is neither glTF, GLB, CityJSON, CityJSONSeq, CityGML nor a 3D Tiles tileset", path, 0};
+  if (!is_glb && !is_xml && is_sequence(input)) return import_cityjson_seq(path, images, builder);
 
   ZC_ASSIGN(std::vector<std::byte> bytes, read_file(input, kMaxInputBytes));
+  if (is_xml) return import_citygml(std::move(bytes), path, earth, images, builder);
   if (is_glb) return import_gltf(std::move(bytes), path, {}, images, builder);
   text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   if (is_tileset(text)) return import_tileset(text, path, earth, images, builder);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <draco/compression/encode.h>
 #include <draco/mesh/triangle_soup_mesh_builder.h>
+#include <meshoptimizer.h>
 
 #include "tests/unit/baker/import_support.h"
 
@@ -255,13 +256,103 @@ TEST_F(Gltf, TextureCoordinatesAreMovedAsTheMaterialSays) {
   EXPECT_TRUE(near(uv[2], {11, 20})) << uv[2].x << ' ' << uv[2].y;
 }
 
+class GltfMeshopt : public Gltf {
+ protected:
+  // The triangle of triangle_bin(), packed; a fallback buffer that holds nothing stands behind the views.
+  static std::string json(std::size_t vertex_bytes, std::size_t index_bytes, const std::string& filter = "NONE") {
+    const auto number = [](std::size_t n) { return std::to_string(n); };
+    const std::string packed = R"("extensions":{"EXT_meshopt_compression":{"buffer":0,)";
+    return R"({"asset":{"version":"2.0"},"extensionsRequired":["EXT_meshopt_compression"],)"
+           R"("scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+           R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}],)"
+           R"("bufferViews":[{"buffer":1,"byteLength":36,"byteStride":12,)" +
+           packed + R"("byteLength":)" + number(vertex_bytes) +
+           R"(,"byteStride":12,"count":3,"mode":"ATTRIBUTES","filter":")" + filter +
+           R"("}}},{"buffer":1,"byteOffset":36,"byteLength":6,)" + packed + R"("byteOffset":)" + number(vertex_bytes) +
+           R"(,"byteLength":)" + number(index_bytes) + R"(,"byteStride":2,"count":3,"mode":"TRIANGLES"}}}],)" +
+           R"("buffers":[{"byteLength":)" + number(vertex_bytes + index_bytes) + R"(},{"byteLength":42}]})";
+  }
+  void SetUp() override {
+    Gltf::SetUp();
+    const std::array<float, 9> positions = {0, 0, 0, 0, 0, 2, 2, 0, 0};
+    vertices_.resize(meshopt_encodeVertexBufferBound(3, 12));
+    meshopt_encodeVertexVersion(0);
+    meshopt_encodeIndexVersion(1);
+    vertices_.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(vertices_.data()), vertices_.size(),
+                                                positions.data(), 3, 12));
+    const std::array<unsigned, 3> triangle = {0, 1, 2};
+    indices_.resize(meshopt_encodeIndexBufferBound(3, 3));
+    indices_.resize(meshopt_encodeIndexBuffer(reinterpret_cast<unsigned char*>(indices_.data()), indices_.size(),
+                                              triangle.data(), 3));
+  }
+  std::string file(const std::string& filter = "NONE") const {
+    return glb(json(vertices_.size(), indices_.size(), filter), vertices_ + indices_);
+  }
+  std::string vertices_;
+  std::string indices_;
+};
+
+TEST_F(GltfMeshopt, PackedViewsAreReadAsThePlainOnesAre) {
+  const auto plain = import_text("plain.glb", glb(triangle_json(), triangle_bin()));
+  const auto packed = import_text("packed.glb", file());
+  ASSERT_TRUE(plain.ok());
+  ASSERT_TRUE(packed.ok()) << packed.error().describe();
+  EXPECT_EQ(packed->positions, plain->positions);
+  EXPECT_EQ(packed->triangles, plain->triangles);
+}
+
+TEST_F(GltfMeshopt, DamageEndsInOneLineAndNeverInACrash) {
+  const std::string whole = file();
+  const std::size_t bin = whole.size() - vertices_.size() - indices_.size() - 4;
+  for (std::size_t i = bin; i < whole.size(); ++i)
+    for (const int flip : {1, 0x80, 0xFF}) {
+      std::string bytes = whole;
+      bytes[i] = static_cast<char>(bytes[i] ^ flip);
+      const auto scene = import_text("damaged.glb", bytes);
+      EXPECT_TRUE(scene.ok() || scene.error().describe().find('\n') == std::string::npos);
+    }
+  EXPECT_FALSE(import_text("filter.glb", file("MAGIC")).ok());
+  EXPECT_FALSE(import_text("filter.glb", file("OCTAHEDRAL")).ok());  // not at twelve bytes
+  std::string huge = json(vertices_.size(), indices_.size());
+  huge.replace(huge.find("\"count\":3,\"mode\""), 16, "\"count\":4000000000,\"mode\"");
+  const auto refused = import_text("huge.glb", glb(huge, vertices_ + indices_));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.error().message.find("more than its bufferView"), std::string::npos);
+}
+
+TEST_F(Gltf, InstancesAreObjectsOfTheirOwn) {
+  std::string json = triangle_json(
+      R"("mesh":0,"name":"tree","translation":[100,0,0],"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":2,"SCALE":3}}})",
+      R"("extensionsUsed":["EXT_mesh_gpu_instancing"],"extensionsRequired":["EXT_mesh_gpu_instancing"],)");
+  const auto replace = [&](const std::string& what, const std::string& with) {
+    json.replace(json.find(what), what.size(), with);
+  };
+  replace(
+      R"("count":3,"type":"SCALAR"})",
+      R"("count":3,"type":"SCALAR"},{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"},{"bufferView":2,"byteOffset":24,"componentType":5126,"count":2,"type":"VEC3"})");
+  replace(R"("byteOffset":36,"byteLength":6})",
+          R"("byteOffset":36,"byteLength":6},{"buffer":0,"byteOffset":44,"byteLength":48})");
+  replace(R"("byteLength":42)", R"("byteLength":92)");
+  const std::string bin = triangle_bin() + shorts({0}) + floats({1, 0, 0, 2, 5, 0, 1, 1, 1, 3, 3, 3});
+  const auto scene = import_text("trees.glb", glb(json, bin));
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  expect_whole(*scene);
+  ASSERT_EQ(scene->objects.size(), 2U);
+  EXPECT_EQ(scene->objects[1].id, "tree_1");
+  EXPECT_NEAR(area(*scene), 2 + 2 * 9, 1e-5);
+  EXPECT_EQ(scene->positions[0], glm::dvec3(101, 0, 0));
+  EXPECT_EQ(scene->positions[3], glm::dvec3(102, 0, 5));
+  replace(R"("count":2,"type":"VEC3"},{"bufferView":2,"byteOffset":24)",
+          R"("count":1,"type":"VEC3"},{"bufferView":2,"byteOffset":24)");
+  EXPECT_FALSE(import_text("uneven.glb", glb(json, bin)).ok());
+}
+
 TEST_F(Gltf, WhatIsNotHandledIsNamed) {
   const auto scene = import_text(
-      "ext.glb",
-      glb(triangle_json(R"("mesh":0)", R"("extensionsRequired":["EXT_meshopt_compression"],)"), triangle_bin()));
+      "ext.glb", glb(triangle_json(R"("mesh":0)", R"("extensionsRequired":["EXT_no_such_thing"],)"), triangle_bin()));
   ASSERT_FALSE(scene.ok());
   EXPECT_EQ(scene.error().code, ErrorCode::kUnsupported);
-  EXPECT_NE(scene.error().message.find("EXT_meshopt_compression"), std::string::npos);
+  EXPECT_NE(scene.error().message.find("EXT_no_such_thing"), std::string::npos);
 }
 
 TEST_F(Gltf, WrongReferencesAreErrors) {
