@@ -164,8 +164,15 @@ std::string bake_json(const BakeReport& report) {
   json["source_triangles"] = report.index.header.source_triangles;
   json["nodes"] = report.index.nodes.size();
   json["proxies"] = {{"reused", report.proxies_reused}, {"built", report.proxies_built}};
-  json["notes"] = nlohmann::ordered_json::array();
-  for (const ImportCount& note : report.notes) json["notes"].push_back({{"what", note.what}, {"count", note.count}});
+  const auto counts = [](std::span<const ImportCount> notes) {
+    auto list = nlohmann::ordered_json::array();
+    for (const ImportCount& note : notes) list.push_back({{"what", note.what}, {"count", note.count}});
+    return list;
+  };
+  json["repair"] = {{"counts", counts(report.repair.counts)},
+                    {"open_edges", report.repair.open_edges},
+                    {"border_error_m", report.repair.border_error_m}};
+  json["notes"] = counts(report.notes);
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
@@ -186,6 +193,7 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   TextureSource textures(scene);
   progress.begin("snap", 0, 0.02, 0);
   ZC_ASSIGN(SnappedScene snapped, snap_scene(std::move(scene), options.step_log2));
+  ZC_ASSIGN(report.repair, repair_scene(snapped));
   report.seconds.repair = watch.lap();
 
   progress.begin("cut", 0.02, 0.05, 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bakes a scene into a world directory: snap, cut, simplify, measure, encode, BVH, index, tileset.
+// Bakes a scene into a world directory: snap, repair, cut, simplify, measure, encode, BVH, index, tileset.
 // Owns nothing afterwards. Deterministic: the same scene gives the same bytes at any thread count, except for
 // bake.json, which holds what this run took.
 // Fails when the scene is empty or too wide, or when `out` cannot be replaced; an old world stays as it was.
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "baker/bvh/build_wide.h"
+#include "baker/repair.h"
 #include "baker/scene.h"
 #include "baker/world_writer.h"
 #include "base/result.h"
@@ -40,7 +41,7 @@ struct BakeOptions {
 struct BakeSeconds {  // wall clock
   double total = 0;
   double import_s = 0;
-  double repair = 0;  // the snap: welding, dropping what has no area or comes twice
+  double repair = 0;  // with the snap
   double cut = 0;
   double simplify = 0;  // with the measuring of errors
   double light = 0;
@@ -53,6 +54,7 @@ struct BakeReport {
   WorldIndex index;
   BakeSeconds seconds;
   std::vector<ImportCount> notes;
+  RepairReport repair;
   std::uint64_t proxies_reused = 0;
   std::uint64_t proxies_built = 0;
   std::uint64_t peak_rss_bytes = 0;  // of the process

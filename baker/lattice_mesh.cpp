@@ -116,7 +116,6 @@ void append(LatticeMesh& mesh, const LatticeMesh& other) {
   ZC_CHECK(mesh.vertices.size() + other.vertices.size() <= UINT32_MAX);
   const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
-  mesh.faces.reserve(mesh.faces.size() + other.faces.size());
   for (LatticeFace face : other.faces) {
     for (std::uint32_t& v : face.v) v += base;
     mesh.faces.push_back(face);

@@ -11,54 +11,6 @@ namespace {
 // Doubles hold every integer below this exactly.
 constexpr double kExactLimit = 4503599627370496.0;  // 2^52
 
-// The same three vertices, whatever the orientation.
-struct FaceKey {
-  std::array<std::uint32_t, 3> sorted;
-  std::uint32_t face;
-  bool operator<(const FaceKey& o) const { return sorted != o.sorted ? sorted < o.sorted : face < o.face; }
-};
-
-struct Dropped {
-  std::uint64_t flat = 0;
-  std::uint64_t repeated = 0;
-  std::uint64_t back_to_back = 0;
-};
-
-// Marks degenerate and repeated faces. Of equal faces the first in the scene stays.
-std::vector<bool> find_superfluous(const LatticeMesh& mesh, const std::vector<std::uint32_t>& object_of,
-                                   Dropped& dropped) {
-  std::vector<bool> drop(mesh.faces.size(), false);
-  std::vector<FaceKey> keys;
-  keys.reserve(mesh.faces.size());
-  for (std::uint32_t i = 0; i < mesh.faces.size(); ++i) {
-    const auto& v = mesh.faces[i].v;
-    if (is_degenerate(mesh.vertices[v[0]], mesh.vertices[v[1]], mesh.vertices[v[2]])) {
-      drop[i] = true;
-      ++dropped.flat;
-      continue;
-    }
-    auto sorted = v;
-    std::sort(sorted.begin(), sorted.end());
-    keys.push_back({sorted, i});
-  }
-  std::sort(keys.begin(), keys.end());
-  for (std::size_t begin = 0, end = 0; begin < keys.size(); begin = end) {
-    while (end < keys.size() && keys[end].sorted == keys[begin].sorted) ++end;
-    for (std::size_t i = begin + 1; i < end; ++i) {
-      const std::uint32_t face = keys[i].face;
-      for (std::size_t j = begin; j < i && !drop[face]; ++j) {
-        const std::uint32_t earlier = keys[j].face;
-        if (drop[earlier]) continue;
-        const bool same_side = rotated(mesh.faces[face].v) == rotated(mesh.faces[earlier].v);
-        if (!same_side && object_of[face] != object_of[earlier]) continue;
-        drop[face] = true;
-        ++(same_side ? dropped.repeated : dropped.back_to_back);
-      }
-    }
-  }
-  return drop;
-}
-
 Status check_references(const Scene& scene) {
   if (scene.triangles.empty()) return Error{ErrorCode::kFormat, "the scene has no triangles"};
   if (scene.triangle_material.size() != scene.triangles.size())
@@ -80,10 +32,6 @@ Status check_references(const Scene& scene) {
   if (next != scene.triangles.size())
     return Error{ErrorCode::kFormat, "the scene's objects do not cover its triangles"};
   return {};
-}
-
-void note(std::vector<ImportCount>& notes, const char* what, std::uint64_t count) {
-  if (count > 0) notes.push_back({what, count});
 }
 
 }  // namespace
@@ -121,15 +69,11 @@ Result<SnappedScene> snap_scene(Scene&& scene, std::int32_t step_log2) {
 
   out.mesh.vertices.resize(scene.positions.size());
   std::vector<bool> used(scene.positions.size(), false);
-  std::vector<std::uint32_t> object_of;
-  object_of.reserve(scene.triangles.size());
   out.mesh.faces.reserve(scene.triangles.size());
-  for (std::uint32_t o = 0; o < scene.objects.size(); ++o) {
-    const auto& object = scene.objects[o];
+  for (const auto& object : scene.objects) {
     for (std::uint32_t i = 0; i < object.triangle_count; ++i) {
       const std::uint32_t t = object.first_triangle + i;
       out.mesh.faces.push_back({scene.triangles[t], scene.triangle_material[t], object.kind == ObjectKind::kGround});
-      object_of.push_back(o);
       for (const std::uint32_t v : scene.triangles[t]) used[v] = true;
     }
   }
@@ -142,35 +86,12 @@ Result<SnappedScene> snap_scene(Scene&& scene, std::int32_t step_log2) {
   }
   weld(out.mesh);
 
-  Dropped dropped;
-  const std::vector<bool> drop = find_superfluous(out.mesh, object_of, dropped);
-  std::vector<LatticeFace> kept;
-  kept.reserve(out.mesh.faces.size());
-  std::uint64_t emptied = 0;
-  for (auto& object : scene.objects) {
-    const auto first = static_cast<std::uint32_t>(kept.size());
-    for (std::uint32_t i = 0; i < object.triangle_count; ++i)
-      if (!drop[object.first_triangle + i]) kept.push_back(out.mesh.faces[object.first_triangle + i]);
-    object.first_triangle = first;
-    object.triangle_count = static_cast<std::uint32_t>(kept.size()) - first;
-    if (object.triangle_count > 0) {
-      out.objects.push_back(std::move(object));
-    } else {
-      ++emptied;
-    }
-  }
-  out.mesh.faces = std::move(kept);
-  weld(out.mesh);
+  std::erase_if(scene.objects, [](const SceneObject& object) { return object.triangle_count == 0; });
+  out.objects = std::move(scene.objects);
   out.materials = std::move(scene.materials);
   if (out.materials.empty()) out.materials.emplace_back();
   out.crs = std::move(scene.crs);
   out.notes = std::move(scene.notes);
-  note(out.notes, "triangles without area at the lattice step", dropped.flat);
-  note(out.notes, "repeated triangles", dropped.repeated);
-  note(out.notes, "triangles back to back in one object", dropped.back_to_back);
-  note(out.notes, "objects left without triangles", emptied);
-  if (out.mesh.faces.empty())
-    return Error{ErrorCode::kFormat, "no triangle of the scene has an area at the lattice step"};
   return out;
 }
 

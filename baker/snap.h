@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Snaps a scene to the world lattice, once, before anything is cut, and drops what has no area or comes twice.
-// Owns what it returns. Fails when the scene is empty after snapping, or wider than the lattice holds.
+// Snaps a scene to the world lattice, once, before anything is repaired or cut.
+// Owns what it returns. Fails when the scene is empty, or wider than the lattice holds.
 #pragma once
 
 #include <array>

@@ -9,6 +9,7 @@
 #include "baker/cut.h"
 #include "baker/generate/city.h"
 #include "baker/import/import.h"
+#include "baker/repair.h"
 #include "baker/snap.h"
 #include "replay/temporary_folder.h"
 
@@ -19,11 +20,13 @@ namespace {
 // middle.
 constexpr double kPlainFrameM = 32768;
 
-// Snaps and cuts as a bake does, without proxies.
+// Snaps, repairs and cuts as a bake does, without proxies.
 Result<BenchScene> cut_scene(std::string name, Scene&& soup, std::uint32_t leaf_triangles,
                              const std::optional<CrsPoint>& origin) {
   ZC_ASSIGN(SnappedScene snapped, snap_scene(std::move(soup), kDefaultStepLog2));
+  ZC_ASSIGN(const RepairReport repair, repair_scene(snapped));
   ZoneTree tree = cut_zones(snapped, leaf_triangles);
+  for (const ImportCount& note : repair.counts) spdlog::info("{}: {}", note.what, note.count);
   for (const ImportCount& note : snapped.notes) spdlog::info("{}: {}", note.what, note.count);
   SceneAssembly assembly(std::move(name), origin.value_or(snapped.anchor), std::ldexp(1.0, kDefaultStepLog2));
   for (Zone& zone : tree.zones) {

@@ -48,7 +48,8 @@ Status run(const Arguments& arguments) {
 
   std::size_t zones = 0;
   for (const NodeRecord& node : report.index.nodes) zones += node.is_detail() ? 1 : 0;
-  for (const ImportCount& note : report.notes) spdlog::info("{}: {}", note.what, note.count);
+  for (const auto* notes : {&report.notes, &report.repair.counts})
+    for (const ImportCount& note : *notes) spdlog::info("{}: {}", note.what, note.count);
   std::cout << arguments.out << ": " << report.index.header.source_triangles << " triangles in " << zones << " zones, "
             << report.index.nodes.size() << " nodes (" << report.proxies_reused << " proxies as before), " << std::fixed
             << std::setprecision(1) << report.seconds.total << " s, peak memory " << format_bytes(report.peak_rss_bytes)
