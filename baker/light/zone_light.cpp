@@ -25,8 +25,8 @@ constexpr int kBounceRounds = 6;
 // A surface this close to a proxy is what it stands for, whichever way it faces.
 constexpr float kSameSurfaceM = 0.1F;
 // For the sun, a triangle is looked at so densely.
-constexpr float kSunSpacingM = 0.5F;
-constexpr int kSunMaxRows = 32;
+constexpr float kSunSpacingM = 1;
+constexpr int kSunMaxRows = 16;
 
 // Cosine-weighted over the upper half of z: Hammersley points, Malley's method.
 const std::array<glm::vec3, kRays>& hemisphere() {
@@ -109,7 +109,7 @@ class ZoneLight {
             double step_m)
       : mesh_(mesh), scene_(scene) {
     if (sun) sun_ = sun_direction(*sun);
-    reach_m_ = node.error_max_m + static_cast<float>(step_m * std::exp2(node.step_shift));
+    if (!node.is_detail()) reach_m_ = node.error_max_m + static_cast<float>(step_m * std::exp2(node.step_shift));
     points_.reserve(mesh.vertices.size());
     for (const auto& q : mesh.vertices) {
       glm::vec3 p;
@@ -162,6 +162,7 @@ class ZoneLight {
 
   // Where rays start: on the outermost surface that the point stands for.
   [[nodiscard]] glm::vec3 start(const glm::vec3& p, const glm::vec3& normal) const {
+    if (reach_m_ == 0) return p + normal * scene_.bias_m();
     const float back = std::min(reach_m_, kSameSurfaceM);
     glm::vec3 from = p - normal * back;
     float left = back + reach_m_;
@@ -304,7 +305,7 @@ class ZoneLight {
   const ZoneMesh& mesh_;
   const LightScene& scene_;
   std::optional<glm::vec3> sun_;
-  float reach_m_ = 0;
+  float reach_m_ = 0;  // how far the city's surface may be
   std::vector<glm::vec3> points_;
   std::vector<glm::vec3> normals_;
   std::vector<float> areas_;
