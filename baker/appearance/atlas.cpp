@@ -31,6 +31,7 @@ constexpr std::uint32_t kMinSize = 1U << gpu::kAtlasMinLog2;
 // The gutters of a third level would be half a texel.
 constexpr std::uint32_t kMaxLevels = 3;
 constexpr int kDensitySteps = 60;
+constexpr double kTinyTexels = 2;
 
 ChartRaster raster_of(const Chart& chart, double texels_per_step) {
   ChartRaster raster;
@@ -61,20 +62,24 @@ std::optional<AtlasLayout> try_density(std::span<const Chart* const> charts, dou
   std::uint64_t area = 0;
   std::uint32_t widest = kMinSize;
   std::uint32_t highest = kMinSize;
-  for (const Chart* chart : charts) {
+  for (std::size_t c = 0; c < charts.size(); ++c) {
+    const Chart* chart = charts[c];
+    layout.rasters.emplace_back();
+    if (std::max(chart->max[0] - chart->min[0], chart->max[1] - chart->min[1]) * texels_per_step <= kTinyTexels)
+      continue;
     const ChartRaster raster = raster_of(*chart, texels_per_step);
     if (raster.size[0] > max_size || raster.size[1] > max_size) return std::nullopt;
     area += std::uint64_t{raster.size[0]} * raster.size[1];
     widest = std::max(widest, raster.size[0]);
     highest = std::max(highest, raster.size[1]);
     stbrp_rect rect{};
-    rect.id = static_cast<int>(rects.size());
+    rect.id = static_cast<int>(c);
     rect.w = static_cast<stbrp_coord>(raster.size[0] / kBlock);
     rect.h = static_cast<stbrp_coord>(raster.size[1] / kBlock);
     rects.push_back(rect);
-    layout.rasters.push_back(raster);
+    layout.rasters.back() = raster;
   }
-  if (area > std::uint64_t{max_size} * max_size) return std::nullopt;
+  if (rects.empty() || area > std::uint64_t{max_size} * max_size) return std::nullopt;
   // From small to large, the wider of two equal areas first.
   const std::uint32_t last = static_cast<std::uint32_t>(std::bit_width(max_size)) - 1;
   for (std::uint32_t area_log2 = 2 * gpu::kAtlasMinLog2; area_log2 <= 2 * last; ++area_log2) {
@@ -84,7 +89,7 @@ std::optional<AtlasLayout> try_density(std::span<const Chart* const> charts, dou
     if (layout.width < widest || layout.height < highest) continue;
     if (area > std::uint64_t{layout.width} * layout.height) continue;
     if (!pack(rects, layout.width, layout.height)) continue;
-    layout.place.resize(rects.size());
+    layout.place.resize(charts.size());
     for (const stbrp_rect& rect : rects)
       layout.place[static_cast<std::size_t>(rect.id)] = {static_cast<std::uint32_t>(rect.x * kBlock),
                                                          static_cast<std::uint32_t>(rect.y * kBlock)};
@@ -159,7 +164,7 @@ EncodedAtlas encode_atlas(const AtlasLayout& layout, std::span<const ChartTexels
   level.color.resize(std::size_t{level.width} * level.height);
   level.weight.resize(level.color.size());
   for (std::size_t c = 0; c < texels.size(); ++c) {
-    if (!texels[c].painted) continue;
+    if (!texels[c].painted || layout.rasters[c].size[0] == 0) continue;
     const auto& size = layout.rasters[c].size;
     for (std::uint32_t y = 0; y < size[1]; ++y)
       for (std::uint32_t x = 0; x < size[0]; ++x) {

@@ -18,12 +18,12 @@ struct AtlasLayout {
   std::uint32_t width = 0;  // texels, powers of two
   std::uint32_t height = 0;
   double texels_per_step = 0;
-  std::vector<ChartRaster> rasters;                 // of each chart
+  std::vector<ChartRaster> rasters;                 // of each chart; without size: too small to show anything
   std::vector<std::array<std::uint32_t, 2>> place;  // of the raster's first texel
 };
 
 // The finest of the densities `finest`, finest / 2^¼, … at which the charts fit max_size²; in the smallest atlas that
-// holds them. Nothing when they do not fit at any.
+// holds them. Charts of no more than two texels have no place. Nothing when no chart has one.
 std::optional<AtlasLayout> lay_out_atlas(std::span<const Chart* const> charts, double finest, std::uint32_t max_size);
 
 struct EncodedAtlas {

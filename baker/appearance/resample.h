@@ -18,6 +18,8 @@ struct ChartRaster {
   std::array<std::int32_t, 2> first = {};
   std::array<std::uint32_t, 2> size = {};  // gutters included
   double texels_per_step = 0;
+
+  bool operator==(const ChartRaster&) const = default;
 };
 
 struct ChartTexels {

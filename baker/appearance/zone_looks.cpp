@@ -19,8 +19,6 @@ constexpr float kFlatDeviation = 2;
 constexpr int kRounds = 2;
 // Places of texels stay within 16 bits.
 constexpr double kMaxTexelsPerStep = 0.45;
-// So do charts no longer than this, in texels.
-constexpr double kTinyTexels = 2;
 
 class LookTable {
  public:
@@ -81,6 +79,7 @@ class ZoneLooks {
   // Charts that turn out to be of one colour leave the atlas to the others, which may then be finer.
   void paint(const AtlasOptions& options) {
     texels_.resize(charts_.size());
+    rasters_.resize(charts_.size());
     std::vector<std::uint32_t> chosen(charts_.size());
     for (std::uint32_t c = 0; c < chosen.size(); ++c) chosen[c] = c;
     find_sources();
@@ -93,16 +92,20 @@ class ZoneLooks {
       std::vector<std::uint32_t> pictures;
       for (std::size_t i = 0; i < chosen.size(); ++i) {
         const Chart& chart = charts_[chosen[i]];
-        // What fits nowhere is painted coarsely, for its mean.
-        const ChartRaster raster = layout_ ? layout_->rasters[i] : coarse_raster(chart);
+        // What has no place is painted coarsely, for its mean.
+        const bool has_place = layout_ && layout_->rasters[i].size[0] > 0;
+        const ChartRaster raster = has_place ? layout_->rasters[i] : coarse_raster(chart);
         ChartTexels& texels = texels_[chosen[i]];
-        texels = resample(mesh_, chart, raster, frame_, sources_of(chart), source_, materials_, reach_);
-        if (layout_ && (is_last || (texels.painted && texels.deviation >= kFlatDeviation && !is_tiny(chart))))
+        if (round == 0 || raster != rasters_[chosen[i]])
+          texels = resample(mesh_, chart, raster, frame_, sources_of(chart), source_, materials_, reach_);
+        rasters_[chosen[i]] = raster;
+        if (has_place && (is_last || (texels.painted && texels.deviation >= kFlatDeviation)))
           pictures.push_back(chosen[i]);
         else
           texels.colors = {};
       }
-      const bool settled = pictures.size() == chosen.size();
+      const bool settled = is_last || pictures.size() == chosen.size();
+      if (settled && layout_) keep_places(chosen, pictures);
       chosen = std::move(pictures);
       if (settled || !layout_) break;
     }
@@ -110,9 +113,16 @@ class ZoneLooks {
     in_atlas_ = std::move(chosen);
   }
 
-  [[nodiscard]] bool is_tiny(const Chart& chart) const {
-    const auto longest = std::max(chart.max[0] - chart.min[0], chart.max[1] - chart.min[1]);
-    return longest * layout_->texels_per_step <= kTinyTexels;
+  // The layout of `before` without those that are not in `after`.
+  void keep_places(const std::vector<std::uint32_t>& before, const std::vector<std::uint32_t>& after) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < before.size() && kept < after.size(); ++i) {
+      if (before[i] != after[kept]) continue;
+      layout_->rasters[kept] = layout_->rasters[i];
+      layout_->place[kept++] = layout_->place[i];
+    }
+    layout_->rasters.resize(kept);
+    layout_->place.resize(kept);
   }
 
   static ChartRaster coarse_raster(const Chart& chart) {
@@ -201,6 +211,7 @@ class ZoneLooks {
   std::vector<const SourceTriangle*> nearby_;
   std::vector<Chart> charts_;
   std::vector<ChartTexels> texels_;      // of each chart; no colours for those of one colour
+  std::vector<ChartRaster> rasters_;     // that they were painted for
   std::vector<std::uint32_t> in_atlas_;  // charts, in the order of layout_
   std::optional<AtlasLayout> layout_;
 };
