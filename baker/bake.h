@@ -28,7 +28,7 @@ struct BakeOptions {
   unsigned threads = 0;                 // 0: all
   std::uint32_t leaf_triangles = 4000;  // a zone with more is split; the root has at most so many
   BvhBuildOptions bvh;
-  double error_m = 0.05;           // bound of leaf proxies
+  double error_m = 0.10;           // bound of leaf proxies
   std::uint32_t atlas_size = 512;  // of a leaf, texels, a power of two to 1024; halved level by level; 0: none
   bool light = true;               // sky visibility and bounced light, for any sun
   std::optional<SunAngles> sun;    // what it lights and what it does not is stored too

@@ -46,7 +46,11 @@ glm::dvec3 closest_on_triangle(const glm::dvec3& p, const glm::dvec3& a, const g
 
 }  // namespace
 
-DistanceBvh::DistanceBvh(const LatticeMesh& mesh) : bounds_(bounds_of(mesh)) {
+double DistanceTriangle::distance(const glm::dvec3& p) const {
+  return glm::distance(p, closest_on_triangle(p, a, ab, ac));
+}
+
+DistanceBvh::DistanceBvh(const LatticeMesh& mesh, std::span<const std::uint16_t> looks) : bounds_(bounds_of(mesh)) {
   const auto count = static_cast<std::uint32_t>(mesh.faces.size());
   if (count == 0) return;
   std::vector<LatticeBox> boxes(count);
@@ -106,10 +110,17 @@ DistanceBvh::DistanceBvh(const LatticeMesh& mesh) : bounds_(bounds_of(mesh)) {
   triangles_.reserve(count);
   for (const std::uint32_t i : order) {
     const LatticeFace& face = mesh.faces[i];
+    const std::uint16_t look = looks.empty() ? std::uint16_t{0} : looks[face.material];
     const glm::dvec3 a = to_dvec(mesh.vertices[face.v[0]]);
     const glm::dvec3 ab = to_dvec(mesh.vertices[face.v[1]]) - a;
     const glm::dvec3 ac = to_dvec(mesh.vertices[face.v[2]]) - a;
-    triangles_.push_back({a, ab, ac, glm::normalize(glm::cross(ab, ac)), face.material});
+    triangles_.push_back({a, ab, ac, glm::normalize(glm::cross(ab, ac)), face.material, look});
+  }
+  // Children follow their parents.
+  for (std::size_t i = nodes_.size(); i-- > 0;) {
+    Node& node = nodes_[i];
+    if (node.count == 0) node.looks = nodes_[node.first].looks | nodes_[node.first + 1].looks;
+    for (std::uint32_t t = node.first; t < node.first + node.count; ++t) node.looks |= look_bit(triangles_[t].look);
   }
 }
 
@@ -117,8 +128,8 @@ double DistanceBvh::distance_to_bounds(const glm::dvec3& p) const {
   return std::sqrt(squared_distance_to_box(p, to_dvec(bounds_.min), to_dvec(bounds_.max)));
 }
 
-template <class Reach, class Visit>
-void DistanceBvh::visit_near(const glm::dvec3& p, const Reach& reach, const Visit& visit) const {
+template <class Reach, class Enter, class Visit>
+void DistanceBvh::visit_near(const glm::dvec3& p, const Reach& reach, const Enter& enter, const Visit& visit) const {
   if (nodes_.empty()) return;
   struct Entry {
     std::uint32_t node;
@@ -133,8 +144,11 @@ void DistanceBvh::visit_near(const glm::dvec3& p, const Reach& reach, const Visi
   stack[top++] = {0, box_distance(0)};
   while (top > 0) {
     const Entry entry = stack[--top];
-    if (entry.squared > reach() * reach()) continue;
+    const double limit = reach();
+    if (limit < 0) return;
+    if (entry.squared > limit * limit) continue;
     const Node& node = nodes_[entry.node];
+    if (!enter(node.looks)) continue;
     if (node.count == 0) {
       Entry near = {node.first, box_distance(node.first)};
       Entry far = {node.first + 1, box_distance(node.first + 1)};
@@ -147,22 +161,43 @@ void DistanceBvh::visit_near(const glm::dvec3& p, const Reach& reach, const Visi
   }
 }
 
-double DistanceBvh::closest_of_look(const glm::dvec3& p, std::span<const std::uint16_t> looks, std::uint16_t look,
-                                    double limit) const {
+void DistanceBvh::nearest(const glm::dvec3& p, std::uint64_t looks, double enough, const DistanceTriangle*& triangle,
+                          double& distance) const {
   visit_near(
-      p, [&] { return limit; },
-      [&](const Triangle& t) {
-        if (looks[t.material] == look)
-          limit = std::min(limit, glm::distance(p, closest_on_triangle(p, t.a, t.ab, t.ac)));
+      p, [&] { return distance > enough ? distance : -1.0; }, [&](std::uint64_t bits) { return (bits & looks) != 0; },
+      [&](const DistanceTriangle& t) {
+        if ((look_bit(t.look) & looks) == 0 || distance <= enough) return;
+        const double d = t.distance(p);
+        if (d > distance || (d == distance && triangle != nullptr)) return;
+        distance = d;
+        triangle = &t;
+      });
+}
+
+double DistanceBvh::closest_of_look(const glm::dvec3& p, std::uint16_t look, double limit) const {
+  visit_near(
+      p, [&] { return limit; }, [&](std::uint64_t bits) { return (bits & look_bit(look)) != 0; },
+      [&](const DistanceTriangle& t) {
+        if (t.look == look) limit = std::min(limit, t.distance(p));
       });
   return limit;
 }
 
+std::uint64_t DistanceBvh::looks_within(const glm::dvec3& p, double radius) const {
+  std::uint64_t found = 0;
+  visit_near(
+      p, [&] { return radius; }, [&](std::uint64_t bits) { return (bits & ~found) != 0; },
+      [&](const DistanceTriangle& t) {
+        if ((look_bit(t.look) & ~found) != 0 && t.distance(p) <= radius) found |= look_bit(t.look);
+      });
+  return found;
+}
+
 void DistanceBvh::closest(const glm::dvec3& p, const glm::dvec3& normal, double tie, ClosestHit& best) const {
   visit_near(
-      p, [&] { return best.distance + tie; },
-      [&](const Triangle& t) {
-        const double distance = glm::distance(p, closest_on_triangle(p, t.a, t.ab, t.ac));
+      p, [&] { return best.distance + tie; }, [](std::uint64_t) { return true; },
+      [&](const DistanceTriangle& t) {
+        const double distance = t.distance(p);
         const double alignment = std::abs(glm::dot(t.normal, normal));
         const bool clearly_closer = distance < best.distance - tie;
         const bool tied = distance <= best.distance + tie && alignment > best.alignment;

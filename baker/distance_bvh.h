@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Closest point on a triangle mesh, exact up to rounding. Source: Ericson, Real-Time Collision Detection (2005), 5.1.5.
+// Closest triangles of one look are found as fast where the looks are given at construction.
 // Borrows nothing: copies what it needs. Units: steps. Thread-safe once built.
 #pragma once
 
@@ -18,10 +19,23 @@ struct ClosestHit {
   std::uint16_t material = 0;
 };
 
+struct DistanceTriangle {
+  glm::dvec3 a, ab, ac, normal;
+  std::uint16_t material = 0;
+  std::uint16_t look = 0;
+
+  [[nodiscard]] double distance(const glm::dvec3& p) const;
+};
+
+// One bit a look; looks 64 apart share one.
+inline std::uint64_t look_bit(std::uint16_t look) { return std::uint64_t{1} << (look % 64U); }
+inline constexpr std::uint64_t kEveryLook = ~std::uint64_t{0};
+
 class DistanceBvh {
  public:
   DistanceBvh() = default;
-  explicit DistanceBvh(const LatticeMesh& mesh);
+  // looks: per material; none: all are of look 0.
+  explicit DistanceBvh(const LatticeMesh& mesh, std::span<const std::uint16_t> looks = {});
 
   [[nodiscard]] bool empty() const { return triangles_.empty(); }
   [[nodiscard]] const LatticeBox& bounds() const { return bounds_; }
@@ -31,9 +45,16 @@ class DistanceBvh {
   // aligned with `normal` wins: at an edge the closest point belongs to several.
   void closest(const glm::dvec3& p, const glm::dvec3& normal, double tie, ClosestHit& best) const;
 
-  // Distance to the closest triangle whose material is of `look`, or `limit` when none is nearer than that.
-  [[nodiscard]] double closest_of_look(const glm::dvec3& p, std::span<const std::uint16_t> looks, std::uint16_t look,
-                                       double limit) const;
+  // The closest triangle whose look is among the bits of `looks`, or any within `enough`; sets `distance`, or leaves both
+  // when none is nearer.
+  void nearest(const glm::dvec3& p, std::uint64_t looks, double enough, const DistanceTriangle*& triangle,
+               double& distance) const;
+
+  // Distance to the closest triangle of `look`, or `limit` when none is nearer than that.
+  [[nodiscard]] double closest_of_look(const glm::dvec3& p, std::uint16_t look, double limit) const;
+
+  // Bits of all looks within `radius`.
+  [[nodiscard]] std::uint64_t looks_within(const glm::dvec3& p, double radius) const;
 
  private:
   struct Node {
@@ -41,18 +62,16 @@ class DistanceBvh {
     glm::vec3 max;
     std::uint32_t first = 0;  // left child (right follows) or first triangle
     std::uint32_t count = 0;  // 0: inner
-  };
-  struct Triangle {
-    glm::dvec3 a, ab, ac, normal;
-    std::uint16_t material;
+    std::uint64_t looks = 0;  // bits of all in it
   };
 
-  // Calls visit(triangle) for the triangles of every leaf whose box is within reach() of p, nearest boxes first.
-  template <class Reach, class Visit>
-  void visit_near(const glm::dvec3& p, const Reach& reach, const Visit& visit) const;
+  // Calls visit(triangle) for the triangles of every leaf whose box is within reach() of p and that passes
+  // enter(look bits), nearest boxes first.
+  template <class Reach, class Enter, class Visit>
+  void visit_near(const glm::dvec3& p, const Reach& reach, const Enter& enter, const Visit& visit) const;
 
   std::vector<Node> nodes_;
-  std::vector<Triangle> triangles_;
+  std::vector<DistanceTriangle> triangles_;
   LatticeBox bounds_;
 };
 

@@ -98,10 +98,9 @@ ClosestHit closest_of(std::span<const DetailSurface> surfaces, const Sample& sam
 }
 
 // Distance from p to the nearest surface of a look, or `limit`.
-double look_distance(std::span<const DetailSurface> surfaces, const glm::dvec3& p, std::span<const std::uint16_t> looks,
-                     std::uint16_t look, double limit) {
+double look_distance(std::span<const DetailSurface> surfaces, const glm::dvec3& p, std::uint16_t look, double limit) {
   for (const DetailSurface& surface : surfaces)
-    if (surface.bvh->distance_to_bounds(p) < limit) limit = surface.bvh->closest_of_look(p, looks, look, limit);
+    if (surface.bvh->distance_to_bounds(p) < limit) limit = surface.bvh->closest_of_look(p, look, limit);
   return limit;
 }
 
@@ -127,9 +126,9 @@ void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> 
       const std::uint16_t look = looks[samples[i].material];
       const std::uint16_t seen = looks[hits[i].material];
       if (samples[i].is_vertex || look == seen) continue;
-      const double here = look_distance(own, samples[i].point, looks, seen, std::numeric_limits<double>::infinity());
+      const double here = look_distance(own, samples[i].point, seen, std::numeric_limits<double>::infinity());
       if (here <= largest) continue;
-      appearance[i] = look_distance(surfaces, samples[i].point, looks, look, here);
+      appearance[i] = look_distance(surfaces, samples[i].point, look, here);
       if (!std::isfinite(appearance[i])) appearance[i] = hits[i].distance;
       largest = std::max(largest, appearance[i]);
     }
@@ -198,7 +197,7 @@ SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurfa
                        from_detail);
   }
 
-  const DistanceBvh proxy_bvh(proxy);
+  const DistanceBvh proxy_bvh(proxy, looks);
   const DetailSurface proxy_surface = {&proxy, &proxy_bvh};
   Sums sums;
   const std::span<const DetailSurface> proxy_side(&proxy_surface, 1);

@@ -71,7 +71,7 @@ class Builder {
 
   // One caller at a time for a leaf: inner zones of one depth have none in common.
   DetailSurface detail_surface(std::size_t leaf) {
-    if (states_[leaf].bvh.empty()) states_[leaf].bvh = DistanceBvh(tree_.zones[leaf].detail);
+    if (states_[leaf].bvh.empty()) states_[leaf].bvh = DistanceBvh(tree_.zones[leaf].detail, context_.looks);
     return {&tree_.zones[leaf].detail, &states_[leaf].bvh};
   }
 

@@ -9,12 +9,13 @@
 #include "baker/components.h"
 #include "baker/decimate.h"
 #include "baker/patches.h"
+#include "baker/vertex_collapse.h"
 
 namespace zc {
 namespace {
 
-constexpr int kLeafAttempts = 4;
-constexpr double kLeafNormalTurnDeg = 45;
+constexpr double kLeafNormalTurnDeg = 2;
+constexpr double kLeastTolerance = 0.5;  // steps
 constexpr double kInnerNormalTurnDeg = 75;
 constexpr double kDecimationStuck = 0.8;  // of what it was given
 constexpr double kInnerTarget = 0.35;     // of the children's triangles
@@ -26,6 +27,15 @@ std::vector<bool> locked_vertices(const CellGrid& grid, const Zone& zone, const 
   std::vector<bool> locked(mesh.vertices.size());
   for (std::size_t i = 0; i < locked.size(); ++i) locked[i] = grid.on_cell_border(zone, mesh.vertices[i]);
   return locked;
+}
+
+LatticeMesh part_of(const LatticeMesh& mesh, bool ground) {
+  LatticeMesh part;
+  part.vertices = mesh.vertices;
+  std::ranges::copy_if(mesh.faces, std::back_inserter(part.faces),
+                       [&](const LatticeFace& face) { return face.ground == ground; });
+  weld(part);
+  return part;
 }
 
 // A cell whose vertices may join within the tolerance.
@@ -82,22 +92,22 @@ Proxy round_detail(const LatticeMesh& detail) {
 
 Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Proxy& rounded,
                     const DetailSurface& detail) {
-  Proxy out;
-  double tolerance = context.error_m / context.step_m;
-  bool done = false;
-  const std::vector<bool> locked = locked_vertices(*context.grid, zone, *detail.mesh);
-  for (int attempt = 0; attempt < kLeafAttempts && !done && tolerance >= 0.5; ++attempt, tolerance /= 2) {
-    out.mesh = decimate(*detail.mesh, locked, {tolerance, 0, kLeafNormalTurnDeg, /*keep_material_borders=*/true});
-    out.step_shift = step_shift_for_box(bounds_of(out.mesh));
-    round_to_step(out.mesh, out.step_shift);
-    if (out.mesh.faces.empty()) break;
-    out.error = measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.looks, context.step_m);
-    done = out.error.max_m <= context.error_m;
+  // What the rounding to the zone's step moved is not there to be moved again.
+  const double rounding =
+      rounded.step_shift > 0 ? std::ldexp(std::sqrt(0.75), static_cast<int>(rounded.step_shift)) : 0;
+  const double tolerance = context.error_m / context.step_m - rounding;
+  Proxy out = rounded;
+  if (tolerance >= kLeastTolerance) {
+    LatticeMesh mesh;
+    for (const bool ground : {true, false}) {
+      LatticeMesh part = part_of(rounded.mesh, ground);
+      append(mesh, collapse_vertices(part, locked_vertices(*context.grid, zone, part), context.looks,
+                                     {tolerance, kLeafNormalTurnDeg, 0}));
+    }
+    weld(mesh);
+    out.mesh = std::move(mesh);
   }
-  const bool needs_force = zone.parent < 0 && (done ? out : rounded).mesh.faces.size() > context.leaf_triangles;
-  if (done && !needs_force) return out;
-  if (!done) out = rounded;
-  if (needs_force) {
+  if (zone.parent < 0 && out.mesh.faces.size() > context.leaf_triangles) {
     // A world of one zone: its proxy is the pinned root as well.
     coarsen(context, zone, kFirstToleranceM / context.step_m, context.leaf_triangles, out.mesh);
     force_below(context.leaf_triangles, out.mesh);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "baker/components.h"
@@ -9,6 +11,8 @@
 #include "baker/manifold_fans.h"
 #include "baker/measure.h"
 #include "baker/simplify.h"
+#include "baker/triangle_cover.h"
+#include "baker/vertex_collapse.h"
 #include "tests/unit/baker/test_city.h"
 
 namespace zc {
@@ -74,6 +78,162 @@ TEST(Decimate, NonManifoldSoupLosesNothing) {
   EXPECT_EQ(out.faces.size(), soup.faces.size());
   const ManifoldFans fans = split_into_fans(soup);
   EXPECT_GT(fans.source_vertex.size(), soup.vertices.size());
+}
+
+constexpr std::array<std::uint16_t, 4> kLooks = {0, 1, 2, 3};  // of SceneMaker's materials: all different
+
+// Farthest that a point of `a` is from `b`, from a dense grid on every triangle and every pair of triangles.
+double farthest_by_brute_force(const LatticeMesh& a, const LatticeMesh& b) {
+  constexpr int kGrid = 24;
+  double farthest = 0;
+  for (const auto& face : a.faces) {
+    const Corners c = corners_of(a, face);
+    for (int i = 0; i <= kGrid; ++i) {
+      for (int j = 0; i + j <= kGrid; ++j) {
+        const glm::dvec3 p = c[0] + (c[1] - c[0]) * (double(i) / kGrid) + (c[2] - c[0]) * (double(j) / kGrid);
+        double nearest = INFINITY;
+        for (const auto& other : b.faces) {
+          const Corners d = corners_of(b, other);
+          nearest = std::min(nearest, DistanceTriangle{d[0], d[1] - d[0], d[2] - d[0], {}, 0, 0}.distance(p));
+        }
+        farthest = std::max(farthest, nearest);
+      }
+    }
+  }
+  return farthest;
+}
+
+// A wall of 8 × 6 m in the plane y = 1 with a window of 2 × 2 m set back by `depth`.
+LatticeMesh wall_with_window(double depth) {
+  SceneMaker maker;
+  const auto at = [](double x, double z) { return glm::dvec3(x, 1, z); };
+  const auto in = [&](double x, double z) { return glm::dvec3(x, 1 + depth, z); };
+  constexpr std::array<double, 4> kX = {0, 3, 5, 8};
+  constexpr std::array<double, 4> kZ = {0, 2, 4, 6};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      if (i != 1 || j != 1)
+        maker.quad(at(kX[i], kZ[j]), at(kX[i + 1], kZ[j]), at(kX[i + 1], kZ[j + 1]), at(kX[i], kZ[j + 1]), 0);
+  maker.quad(at(3, 2), in(3, 2), in(3, 4), at(3, 4), 0);
+  maker.quad(at(5, 2), in(5, 2), in(5, 4), at(5, 4), 0);
+  maker.quad(at(3, 2), at(5, 2), in(5, 2), in(3, 2), 0);
+  maker.quad(at(3, 4), at(5, 4), in(5, 4), in(3, 4), 0);
+  maker.quad(in(3, 2), in(5, 2), in(5, 4), in(3, 4), 3);
+  maker.object(ObjectKind::kObject);
+  return mesh_of(std::move(maker.scene));
+}
+
+TEST(VertexCollapse, AFlatGridBecomesTwoTriangles) {
+  const LatticeMesh grid = flat_grid(20, false);
+  EXPECT_EQ(collapse_vertices(grid, unlocked(grid), kLooks, {2.0, 2, 0}).faces.size(), 2U);
+}
+
+TEST(VertexCollapse, BordersBetweenLooksStayUntilLooksAreTheSame) {
+  const LatticeMesh grid = flat_grid(20, true);
+  const LatticeMesh kept = collapse_vertices(grid, unlocked(grid), kLooks, {2.0, 2, 0});
+  EXPECT_EQ(kept.faces.size(), 4U);
+  double road = 0;
+  for (const auto& face : kept.faces) road += face.material == 3 ? face_area(kept, face) : 0;
+  EXPECT_DOUBLE_EQ(road, 20.0 * 10 * 256 * 256);
+  const std::array<std::uint16_t, 4> same = {};
+  EXPECT_EQ(collapse_vertices(grid, unlocked(grid), same, {2.0, 2, 0}).faces.size(), 2U);
+}
+
+TEST(VertexCollapse, LockedVerticesAndTheEdgesBetweenThemStay) {
+  const LatticeMesh grid = flat_grid(20, false);
+  std::vector<bool> locked(grid.vertices.size());
+  std::set<LatticePoint> border;
+  for (std::size_t i = 0; i < locked.size(); ++i) {
+    locked[i] = grid.vertices[i][0] == 0;
+    if (locked[i]) border.insert(grid.vertices[i]);
+  }
+  const LatticeMesh out = collapse_vertices(grid, locked, kLooks, {25.6, 45, 0});
+  std::size_t edges = 0;
+  for (const auto& face : out.faces)
+    for (std::size_t i = 0; i < 3; ++i)
+      edges += out.vertices[face.v[i]][0] == 0 && out.vertices[face.v[(i + 1) % 3]][0] == 0 ? 1 : 0;
+  EXPECT_EQ(edges, 20U);
+  for (const auto& p : out.vertices) border.erase(p);
+  EXPECT_TRUE(border.empty());
+  EXPECT_LT(out.faces.size(), 30U);
+}
+
+TEST(VertexCollapse, AShallowRevealGoesADeepOneStays) {
+  const LatticeMesh shallow = wall_with_window(0.03);
+  const LatticeMesh flat = collapse_vertices(shallow, unlocked(shallow), kLooks, {25.6, 2, 0});
+  EXPECT_LE(flat.faces.size(), 10U);  // eight around the window, two in it
+  for (const auto& p : flat.vertices) EXPECT_EQ(p[1], flat.vertices[0][1]);
+  double glass = 0;
+  for (const auto& face : flat.faces) glass += face.material == 3 ? face_area(flat, face) : 0;
+  EXPECT_DOUBLE_EQ(glass, 4.0 * 256 * 256);
+
+  const LatticeMesh deep = wall_with_window(0.5);
+  const LatticeMesh kept = collapse_vertices(deep, unlocked(deep), kLooks, {25.6, 2, 0});
+  EXPECT_EQ(kept.faces.size(), 8U + 8U + 2U);
+}
+
+TEST(VertexCollapse, APoleOfManySidesStaysClosed) {
+  constexpr int kSides = 16;
+  SceneMaker maker;
+  const auto at = [](int i, double z) {
+    const double angle = 2 * M_PI * i / kSides;
+    return glm::dvec3(5 + 0.04 * std::cos(angle), 5 + 0.04 * std::sin(angle), z);
+  };
+  for (int i = 0; i < kSides; ++i) {
+    maker.quad(at(i, 0), at(i + 1, 0), at(i + 1, 4), at(i, 4), 0);
+    maker.triangle({5, 5, 0}, at(i + 1, 0), at(i, 0), 0);
+    maker.triangle({5, 5, 4}, at(i, 4), at(i + 1, 4), 0);
+  }
+  maker.object(ObjectKind::kObject);
+  const LatticeMesh pole = mesh_of(std::move(maker.scene));
+  const LatticeMesh out = collapse_vertices(pole, unlocked(pole), kLooks, {25.6, 2, 0});
+  EXPECT_LE(out.faces.size(), 12U);
+  EXPECT_GE(out.faces.size(), 4U);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const auto& face : out.faces)
+    for (std::size_t i = 0; i < 3; ++i) ++edges[std::minmax(face.v[i], face.v[(i + 1) % 3])];
+  for (const auto& [edge, faces] : edges) EXPECT_EQ(faces, 2);
+}
+
+TEST(VertexCollapse, TheResultIsWithinTheToleranceBothWays) {
+  SceneMaker maker;
+  maker.terrain({0, 0, 0}, 12, 1.3);
+  maker.houses({0, 0, 0}, 2, 7.1);
+  for (int i = 0; i < 40; ++i) {  // soup: slivers, pages on one spine, overlaps
+    const double x = (i * 7) % 13;
+    const double y = (i * 5) % 11;
+    maker.triangle({x, y, 2}, {x + 1 + 0.1 * i, y + 0.02 * i, 2.1}, {x + 0.3, y + 1, 2 + 0.01 * (i % 9)},
+                   static_cast<std::uint16_t>(i % 2));
+  }
+  maker.object(ObjectKind::kObject);
+  const LatticeMesh mesh = mesh_of(std::move(maker.scene));
+  for (const double tolerance : {5.0, 25.6, 128.0}) {
+    const LatticeMesh out = collapse_vertices(mesh, unlocked(mesh), kLooks, {tolerance, 10, 0});
+    EXPECT_LT(out.faces.size(), mesh.faces.size());
+    EXPECT_LE(farthest_by_brute_force(out, mesh), tolerance);
+    EXPECT_LE(farthest_by_brute_force(mesh, out), tolerance);
+  }
+}
+
+TEST(TriangleCover, TheBoundHoldsAndIsTight) {
+  SceneMaker maker;
+  maker.terrain({0, 0, 0}, 6, 1.7);
+  const LatticeMesh terrain = mesh_of(std::move(maker.scene));
+  const DistanceBvh bvh(terrain);
+  const auto nearest = [&](const glm::dvec3& p, double& distance) {
+    const DistanceTriangle* found = nullptr;
+    bvh.nearest(p, kEveryLook, 0, found, distance);
+    return found;
+  };
+  LatticeMesh one;
+  one.vertices = {{0, 0, 600}, {2600, 100, 500}, {300, 2600, 900}};
+  one.faces = {{{0, 1, 2}, 0, false}};
+  const double measured = farthest_by_brute_force(one, terrain);
+  const Cover found = cover(corners_of(one, one.faces[0]), {measured, 0, 1, 1000000, false}, nearest);
+  EXPECT_GE(found.most, measured);
+  EXPECT_LE(found.most, measured * 1.05);
+  EXPECT_TRUE(cover(corners_of(one, one.faces[0]), {measured * 1.05, 0, 1, 1000000, false}, nearest).within);
+  EXPECT_FALSE(cover(corners_of(one, one.faces[0]), {measured * 0.95, 0, 1, 1000000, true}, nearest).within);
 }
 
 TEST(Measure, AKnownOffsetIsFoundBothWays) {
