@@ -15,6 +15,7 @@ using SetCommand = std::function<void(std::function<Status()>)>;
 void add_generate(CLI::App& app, const SetCommand& set);
 void add_bake(CLI::App& app, const SetCommand& set);
 void add_inspect(CLI::App& app, const SetCommand& set);
+void add_compare(CLI::App& app, const SetCommand& set);
 void add_replay(CLI::App& app, const SetCommand& set);
 void add_bench(CLI::App& app, const SetCommand& set);
 void add_bench_build(CLI::App& bench, const SetCommand& set);

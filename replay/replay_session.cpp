@@ -14,6 +14,7 @@
 #include "replay/frame_log.h"
 #include "replay/png_file.h"
 #include "replay/process_memory.h"
+#include "replay/render_setup.h"
 #include "replay/variant_cache.h"
 #include "replay/world_report.h"
 #include "replay/zone_table.h"
@@ -42,58 +43,11 @@ const char* debug_name(DebugView view) {
   return "";
 }
 
-// The eye in lattice units, relative to the world's anchor. Fails where the renderer's 32-bit lattice does not reach.
-Result<glm::dvec3> lattice_eye(const WorldIndex& index, const CameraSample& sample) {
-  glm::dvec3 lattice;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto i = static_cast<std::size_t>(axis);
-    lattice[axis] = sample.eye[axis] / index.step_m() - static_cast<double>(index.header.anchor[i]);
-    const double above = lattice[axis] - index.header.bounds_min[i];
-    const double below = index.header.bounds_max[i] - lattice[axis];
-    if (!(std::abs(lattice[axis]) < 2e9 && std::abs(above) < 2e9 && std::abs(below) < 2e9))
-      return Error{ErrorCode::kUnsupported, "the camera at " + std::to_string(sample.time_s) +
-                                                " s lies too far from the world: do path and world share a CRS?"};
-  }
-  return lattice;
-}
-
-// The camera relative to the lattice point next to its eye, so that floats near it are exact.
-Result<RenderCamera> make_camera(const WorldIndex& index, const CameraSample& sample) {
-  ZC_ASSIGN(const glm::dvec3 lattice, lattice_eye(index, sample));
-  RenderCamera camera;
-  camera.step_m = index.step_m();
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto i = static_cast<std::size_t>(axis);
-    camera.lattice[i] = static_cast<std::int32_t>(std::llround(lattice[axis]));
-    camera.eye[axis] = static_cast<float>((lattice[axis] - camera.lattice[i]) * camera.step_m);
-  }
-  const glm::dvec3 forward = glm::normalize(sample.target - sample.eye);
-  const glm::dvec3 up = std::abs(forward.z) > 0.9999 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
-  const glm::dvec3 right = glm::normalize(glm::cross(forward, up));
-  camera.forward = glm::vec3(forward);
-  camera.right = glm::vec3(right);
-  camera.up = glm::vec3(glm::cross(right, forward));
-  camera.fov_y_deg = static_cast<float>(sample.fov_y_deg);
-  double diagonal = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double extent = static_cast<double>(index.header.bounds_max[i]) - index.header.bounds_min[i];
-    diagonal += extent * extent;
-  }
-  camera.ray_length_m = static_cast<float>(std::max(100.0, 2 * std::sqrt(diagonal) * camera.step_m));
-  return camera;
-}
-
 double median(std::vector<double>& values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
   return *middle;
-}
-
-std::uint32_t deepest_page(const WorldIndex& index) {
-  std::uint32_t depth = 1;
-  for (const NodeRecord& node : index.nodes) depth = std::max(depth, node.bvh_depth);
-  return depth;
 }
 
 // Everything that draws; absent in --no-render.
@@ -176,18 +130,12 @@ class Session {
 
     drawing_.proxy_table.emplace(*streamer_, *drawing_.proxies, options_.streamer.tolerance);
     drawing_.host_table.emplace(*drawing_.host_streamer, *drawing_.host, 0.0);
-    std::vector<gpu::MaterialEntry> materials;
-    for (const MaterialRecord& m : index.materials)
-      materials.push_back({m.base_color[0], m.base_color[1], m.base_color[2], m.roughness, m.metallic, m.flags, 0, 0});
+    const std::vector<gpu::MaterialEntry> materials = material_entries(index);
     mirrors_ = std::ranges::any_of(
         index.materials, [&](const MaterialRecord& m) { return m.roughness < options_.renderer.roughness_cut; });
     RendererOptions renderer = options_.renderer;
-    const std::optional<SunAngles> baked = SunAngles::unpack(index.header.sun);
-    const SunAngles sun = options_.sun.value_or(baked.value_or(SunAngles{145, 38}));
-    renderer.sun_azimuth_deg = sun.azimuth_deg;
-    renderer.sun_elevation_deg = sun.elevation_deg;
-    renderer.sun_is_baked =
-        baked && sun.elevation_deg >= 0 && sun.pack() == index.header.sun && !options_.leave_nothing_out;
+    set_sun(renderer, index, options_.sun);
+    if (options_.leave_nothing_out) renderer.sun_is_baked = false;
     sun_is_baked_ = renderer.sun_is_baked;
     renderer.page_depth = deepest_page(index);
     renderer.max_zones = max_zones;
@@ -250,7 +198,7 @@ class Session {
       return Error{ErrorCode::kArgument, "the path has " + std::to_string(options_.path.size()) +
                                              " samples, none of them in the frames asked for"};
     for (std::uint64_t frame = options_.frames.begin; frame < end; ++frame) {
-      if (const auto eye = lattice_eye(streamer_->index(), options_.path[frame]); !eye) return eye.error();
+      if (const auto camera = make_camera(streamer_->index(), options_.path[frame]); !camera) return camera.error();
     }
     return {};
   }
@@ -358,10 +306,7 @@ class Session {
   }
 
   Status save(const std::filesystem::path& file, bool sheet) {
-    Picture picture{options_.renderer.width, options_.renderer.height, {}};
-    const auto pixels = drawing_.renderer->pixels();
-    picture.rgba.resize(pixels.size());
-    std::ranges::transform(pixels, picture.rgba.begin(), [](std::byte b) { return static_cast<std::uint8_t>(b); });
+    Picture picture = picture_of(*drawing_.renderer, options_.renderer);
     ZC_TRY(write_png(file, picture));
     if (sheet) tiles_.push_back(scale_down(picture, 480));
     return {};

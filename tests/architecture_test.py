@@ -34,7 +34,7 @@ LIBRARIES = {
     "CGAL/": ("baker",),
     "OpenMesh/": ("baker",),
     "stb/": ("baker",),
-    "tbb/": ("baker",),
+    "tbb/": ("baker", "tests"),
     "tiny_gltf.h": ("baker",),
     "pugixml.hpp": ("baker",),
     "meshoptimizer.h": ("baker", "tests"),

@@ -164,6 +164,7 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
   for (const NodeRecord& node : index.nodes) deepest = std::max(deepest, node.bvh_depth);
   // Every way that the kernels can be specialised finds the same.
   std::vector<TracedHit> first_hits;
+  std::size_t first_tied = 0;
   for (const TraceVariant& variant : kVariants) {
     SCOPED_TRACE(trace_variant_name(variant));
     options.trace = variant;
@@ -194,8 +195,15 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
                              << " missed by both";
     EXPECT_GT(sum.same, kRays / 4);
     EXPECT_LT(sum.tied, kRays / 100);
-    if (first_hits.empty()) first_hits = *hits;
-    EXPECT_EQ(std::memcmp(first_hits.data(), hits->data(), hits->size() * sizeof(TracedHit)), 0);
+    // Of triangles in one place, either may be met.
+    if (first_hits.empty()) {
+      first_hits = *hits;
+      first_tied = sum.tied;
+    }
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      different += std::memcmp(&first_hits[i], &(*hits)[i], sizeof(TracedHit)) != 0 ? 1 : 0;
+    EXPECT_LE(different, first_tied + sum.tied);
     const auto any = world.renderer().trace(camera, rays, {.any_hit = true});
     ASSERT_TRUE(any.ok()) << any.error().describe();
     std::size_t disagree = 0;
