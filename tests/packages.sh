@@ -10,6 +10,8 @@ packages=(
   libcli11-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libspng-dev libstb-dev libgtest-dev
   libembree-dev libmeshoptimizer-dev libpugixml-dev
 )
+# Whoever has npm, from wherever, has node too.
+command -v npm >/dev/null || packages+=(nodejs npm)
 missing=()
 for package in "${packages[@]}"; do
   dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
