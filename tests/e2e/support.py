@@ -122,6 +122,17 @@ def read_png(path):
     return width, height, unfilter(zlib.decompress(packed), width, height)
 
 
+def write_png(path, width, height, rgb):
+    """An 8-bit RGB PNG."""
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+    rows = b"".join(b"\0" + rgb[3 * width * y : 3 * width * (y + 1)] for y in range(height))
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) +
+                     chunk(b"IEND", b""))
+
+
 def unfilter(raw, width, height):
     row_bytes, out, above = 3 * width, bytearray(), bytearray(3 * width)
     for y in range(height):

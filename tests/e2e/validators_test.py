@@ -1,81 +1,95 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Worlds as others see them: the Khronos glTF validator, another Draco decoder, the 3D Tiles tools. Needs npm."""
+"""Worlds as others see them: the Khronos glTF validator, another Draco decoder, the 3D Tiles tools."""
 import json
-import os
-import pathlib
 import shutil
-import subprocess
+import unittest
 
+import node
 import support
 
-HERE = pathlib.Path(__file__).resolve().parent.parent / "validate"
-# Beside the build, so that a fresh clone stays as it is and a second run downloads nothing.
-MODULES = HERE.parent.parent / "build" / "validate"
-
-
-def install():
-    wanted = (HERE / "package.json").read_bytes()
-    mark = MODULES / "installed.json"
-    if mark.exists() and mark.read_bytes() == wanted:
-        return
-    MODULES.mkdir(parents=True, exist_ok=True)
-    shutil.copy(HERE / "package.json", MODULES)
-    # No script of a package runs; what the tools need comes built.
-    subprocess.run(["npm", "install", "--ignore-scripts", "--no-audit", "--no-fund", "--no-package-lock"], cwd=MODULES,
-                   check=True, stdout=subprocess.DEVNULL, timeout=500)
-    mark.write_bytes(wanted)
+INGOLSTADT = support.DATA / "ingolstadt" / "ingolstadt.city.json"
 
 
 class Validators(support.Case):
     @classmethod
     def prepare(cls):
-        install()
-        cls.zonecast("generate", "--size-km", "0.3", "-o", cls.folder / "city")
-        cls.zonecast("bake", cls.folder / "city" / "city.glb", "-o", cls.folder / "generated")
+        node.install()
+        support.write_small_city(cls.folder / "small.city.json")
+        cls.world = cls.folder / "small"
+        cls.zonecast("bake", cls.folder / "small.city.json", "--leaf-triangles", "100", "-o", cls.world)
 
-    def validate(self, world):
-        done = subprocess.run(["node", HERE / "validate.mjs", MODULES, world], capture_output=True, text=True, timeout=500)
-        self.assertEqual(done.returncode, 0, done.stderr[-2000:])
+    def assert_valid(self, world):
+        done = node.script("validate.mjs", world)
+        self.assertEqual(done.returncode, 0, done.stderr)
         totals = json.loads(done.stdout)
+        print(world.name, totals)
         self.assertEqual((totals["errors"], totals["warnings"]), (0, 0))
         index = json.loads(self.zonecast("inspect", world, "--json"))
-        self.assertEqual(totals["glbs"], index["nodes"])
-        self.assertEqual(totals["tiles"], index["nodes"])
-        self.assertGreaterEqual(totals["triangles"], index["source_triangles"] // 2)
-        print(world.name, totals)
+        self.assertEqual((totals["glbs"], totals["tiles"]), (index["nodes"], index["nodes"]))
+        self.assertEqual(totals["triangles"], sum(level["triangles"] for level in index["levels"]))
+
+    def assert_fault(self, change, *parts):
+        """One fault, which holds `parts`, is found in a copy of the world after change(its folder, a leaf's tile)."""
+        broken = self.folder / "broken"
+        shutil.copytree(self.world, broken)
+        self.addCleanup(shutil.rmtree, broken)
+        tileset = json.loads((broken / "tileset.json").read_text())
+        leaf = tileset["root"]
+        while "children" in leaf:
+            leaf = leaf["children"][0]
+        change(broken, leaf)
+        (broken / "tileset.json").write_text(json.dumps(tileset))
+        done = node.script("validate.mjs", broken)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertEqual(done.stderr.splitlines()[1:], ["faults: 1"], done.stderr)
+        for part in (leaf["content"]["uri"], *parts):
+            self.assertIn(part, done.stderr)
+
+    def test_a_small_city_has_no_fault(self):
+        self.assert_valid(self.world)
 
     def test_a_generated_city_has_no_fault(self):
-        self.validate(self.folder / "generated")
+        self.zonecast("generate", "--size-km", "0.3", "-o", self.folder / "city")
+        world = self.folder / "generated"
+        self.zonecast("bake", self.folder / "city" / "city.glb", "-o", world)
+        self.assert_valid(world)
 
+    @unittest.skipUnless(INGOLSTADT.is_file(), f"{INGOLSTADT} is not there (set ZONECAST_DATA)")
     def test_a_real_city_has_no_fault(self):
-        data = os.environ.get("ZONECAST_DATA")
-        if not data:
-            self.skipTest("no real cities; set ZONECAST_DATA")
         world = self.folder / "ingolstadt"
-        self.zonecast("bake", pathlib.Path(data) / "ingolstadt" / "ingolstadt.city.json", "-o", world, "--no-light",
-                      "--atlas", "0")
-        self.validate(world)
+        self.zonecast("bake", INGOLSTADT, "-o", world)
+        self.assert_valid(world)
 
-    def test_a_fault_is_found(self):
-        broken = self.folder / "broken"
-        shutil.copytree(self.folder / "generated", broken)
-        tileset = json.loads((broken / "tileset.json").read_text())
-        tileset["root"]["boundingVolume"]["box"][3] /= 2
-        (broken / "tileset.json").write_text(json.dumps(tileset))
-        done = subprocess.run(["node", HERE / "validate.mjs", MODULES, broken], capture_output=True, text=True, timeout=500)
-        self.assertEqual(done.returncode, 1)
-        self.assertIn("leaves", done.stderr)
+    def test_a_fault_in_one_mesh_is_found(self):
+        def change(world, leaf):
+            file = world / leaf["content"]["uri"]
+            data = file.read_bytes()
+            self.assertIn(b'"scene":0', data)
+            file.write_bytes(data.replace(b'"scene":0', b'"scene":1'))
+
+        self.assert_fault(change, "UNRESOLVED_REFERENCE")
+
+    def test_geometry_outside_its_volume_is_found(self):
+        def change(_, leaf):
+            leaf["boundingVolume"]["box"][3] /= 2
+
+        self.assert_fault(change, "geometry leaves its volume")
+
+    def test_a_volume_outside_its_parents_is_found(self):
+        def change(_, leaf):
+            leaf["boundingVolume"]["box"][11] *= 100
+
+        self.assert_fault(change, "volume leaves its parent's")
 
     def test_the_3d_tiles_tools_read_a_world_whole(self):
-        tools = MODULES / "node_modules" / ".bin" / "3d-tiles-tools"
-        packed = self.folder / "packed.3tz"
-        subprocess.run([tools, "convert", "-i", self.folder / "generated" / "tileset.json", "-o", packed], check=True,
-                       capture_output=True, timeout=500)
-        unpacked = self.folder / "unpacked"
-        subprocess.run([tools, "convert", "-i", packed, "-o", unpacked], check=True, capture_output=True, timeout=500)
-        for file in sorted((self.folder / "generated" / "zones").rglob("*.glb")):
-            name = file.relative_to(self.folder / "generated")
-            self.assertEqual((unpacked / name).read_bytes(), file.read_bytes(), name)
+        packed, unpacked = self.folder / "packed.3tz", self.folder / "unpacked"
+        for source, target in ((self.world / "tileset.json", packed), (packed, unpacked)):
+            done = node.run([node.PACKAGES / ".bin" / "3d-tiles-tools", "convert", "-i", source, "-o", target])
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        files = sorted(file.relative_to(self.world) for file in self.world.rglob("*.glb"))
+        self.assertEqual(files, sorted(file.relative_to(unpacked) for file in unpacked.rglob("*.glb")))
+        for file in files:
+            self.assertEqual((unpacked / file).read_bytes(), (self.world / file).read_bytes(), file)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ const [modules, world] = process.argv.slice(2);
 const require = createRequire(path.join(modules, "package.json"));
 const validator = require("gltf-validator");
 const { NodeIO, getBounds } = require("@gltf-transform/core");
-const { KHRDracoMeshCompression, KHRMeshQuantization } = require("@gltf-transform/extensions");
+const { ALL_EXTENSIONS } = require("@gltf-transform/extensions");
 const draco3d = require("draco3dgltf");
 
 // Roundings of the decoders and of the decimal text.
@@ -38,7 +38,7 @@ for (const file of await filesOf(world)) {
 }
 
 const io = new NodeIO()
-  .registerExtensions([KHRDracoMeshCompression, KHRMeshQuantization])
+  .registerExtensions(ALL_EXTENSIONS)
   .registerDependencies({ "draco3d.decoder": await draco3d.createDecoderModule() });
 
 // An axis-aligned box of 3D Tiles as minimum and maximum.
@@ -53,8 +53,10 @@ function outside(inner, outer) {
   return Math.max(...[0, 1, 2].map((i) => Math.max(outer.min[i] - inner.min[i], inner.max[i] - outer.max[i])));
 }
 
-async function visit(tile, parent, where) {
+async function visit(tile, parent) {
+  const where = tile.content?.uri ?? "a tile without content";
   totals.tiles += 1;
+  if (parent !== null && tile.transform !== undefined) throw new Error(`${where}: a transform below the root`);
   const box = extent(tile.boundingVolume, where);
   if (parent !== null && outside(box, parent) > TOLERANCE_M)
     faults.push(`${where}: its volume leaves its parent's by ${outside(box, parent)} m`);
@@ -65,22 +67,22 @@ async function visit(tile, parent, where) {
     // glTF's y is up: x stays, z is y, and y is -z.
     const seen = { min: [y.min[0], -y.max[2], y.min[1]], max: [y.max[0], -y.min[2], y.max[1]] };
     if (!(outside(seen, box) <= TOLERANCE_M))
-      faults.push(`${tile.content.uri}: its geometry leaves its volume by ${outside(seen, box)} m`);
+      faults.push(`${where}: its geometry leaves its volume by ${outside(seen, box)} m`);
     for (const mesh of root.listMeshes())
       for (const primitive of mesh.listPrimitives()) totals.triangles += primitive.getIndices().getCount() / 3;
   }
-  for (const [i, child] of (tile.children ?? []).entries()) {
-    if (child.geometricError > tile.geometricError) faults.push(`${where}/${i}: a larger error than its parent's`);
-    await visit(child, box, `${where}/${i}`);
+  for (const child of tile.children ?? []) {
+    if (child.geometricError > tile.geometricError) faults.push(`${where}: a smaller error than a child's`);
+    await visit(child, box);
   }
 }
 
 const tileset = JSON.parse(await readFile(path.join(world, "tileset.json"), "utf8"));
-await visit(tileset.root, null, "root");
+await visit(tileset.root, null);
 
 if (faults.length > 0) {
   for (const fault of faults.slice(0, 20)) console.error(fault);
-  console.error(`${faults.length} faults`);
+  console.error(`faults: ${faults.length}`);
   process.exit(1);
 }
 console.log(JSON.stringify(totals));
