@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "base/check.h"
+#include "replay/bench/stopwatch.h"
 
 namespace zc::bench {
 namespace {
@@ -30,8 +32,8 @@ Status copy(Device& device, const Buffer& from, const Buffer& to, VkDeviceSize b
 Result<Buffer> make_filled_buffer(Device& device, std::span<const std::byte> bytes, VkBufferUsageFlags more_usage) {
   constexpr VkBufferUsageFlags usage =
       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
-  ZC_ASSIGN(Buffer buffer, Buffer::create(device, std::max<VkDeviceSize>(bytes.size(), 4), usage | more_usage,
-                                          MemoryUse::kDevice));
+  ZC_ASSIGN(Buffer buffer,
+            Buffer::create(device, std::max<VkDeviceSize>(bytes.size(), 4), usage | more_usage, MemoryUse::kDevice));
   ZC_TRY(write_buffer(device, buffer, bytes));
   return buffer;
 }
@@ -61,6 +63,38 @@ Status read_buffer(Device& device, const Buffer& buffer, std::span<std::byte> by
   ZC_TRY(copy(device, buffer, staging, bytes.size()));
   std::memcpy(bytes.data(), staging.mapped().data(), bytes.size());
   return {};
+}
+
+Result<double> copy_gb_per_s(Device& device) {
+  constexpr VkDeviceSize bytes = VkDeviceSize{128} << 20;  // more than any cache holds
+  constexpr unsigned few = 2;
+  constexpr unsigned many = 10;
+  constexpr VkBufferUsageFlags usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+  ZC_ASSIGN(const Buffer from, Buffer::create(device, bytes, usage, MemoryUse::kDevice));
+  ZC_ASSIGN(const Buffer to, Buffer::create(device, bytes, usage, MemoryUse::kDevice));
+  const auto best_ms = [&](unsigned copies) -> Result<double> {
+    double best = std::numeric_limits<double>::infinity();
+    for (unsigned run = 0; run < 4; ++run) {
+      const Stopwatch watch;
+      ZC_TRY(device.run([&](VkCommandBuffer c) {
+        const VkBufferCopy region{0, 0, bytes};
+        VkMemoryBarrier between{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+        between.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+        between.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+        for (unsigned i = 0; i < copies; ++i) {
+          vkCmdCopyBuffer(c, from.handle(), to.handle(), 1, &region);
+          vkCmdPipelineBarrier(c, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1, &between, 0,
+                               nullptr, 0, nullptr);
+        }
+      }));
+      best = std::min(best, watch.ms());
+    }
+    return best;
+  };
+  // The difference leaves out what a submission costs.
+  ZC_ASSIGN(const double few_ms, best_ms(few));
+  ZC_ASSIGN(const double many_ms, best_ms(many));
+  return many_ms > few_ms ? 2e-6 * static_cast<double>(bytes) * (many - few) / (many_ms - few_ms) : 0;
 }
 
 Status GpuEngine::set_kernel(KernelOptions options, std::vector<Buffer> data, std::vector<std::uint32_t> push) {

@@ -20,6 +20,9 @@ Result<Buffer> make_filled_buffer(Device& device, std::span<const std::byte> byt
 Status write_buffer(Device& device, const Buffer& buffer, std::span<const std::byte> bytes);
 Status read_buffer(Device& device, const Buffer& buffer, std::span<std::byte> bytes);
 
+// Gigabytes a second that large copies read and write in the device's memory, both counted.
+Result<double> copy_gb_per_s(Device& device);
+
 class GpuEngine : public TraceEngine {
  public:
   [[nodiscard]] BuildFigures figures() const override { return figures_; }

@@ -7,6 +7,7 @@
 
 #include "replay/bench/engine_names.h"
 #include "replay/bench/engines.h"
+#include "replay/bench/gpu_engine.h"
 #include "replay/bench/print_figures.h"
 
 namespace zc::bench {
@@ -38,12 +39,14 @@ Result<TraceBenchReport> run_trace_bench(const BenchScene& scene, const Oracle& 
       context.device = device.get();
       report.device = device->name();
       report.driver = device->driver();
+      ZC_ASSIGN(report.copy_gb_per_s, copy_gb_per_s(*device));
     } else {
       no_device = created.error().describe();
     }
   }
 
   std::vector<std::unique_ptr<TraceEngine>> engines;
+  std::vector<bool> on_device;  // by engine
   for (const EngineEntry* entry : chosen) {
     const std::string missing =
         entry->needs_device && device == nullptr ? no_device : std::string(entry->missing(context));
@@ -54,6 +57,7 @@ Result<TraceBenchReport> run_trace_bench(const BenchScene& scene, const Oracle& 
       continue;
     }
     engines.push_back(entry->make(context, entry->name));
+    on_device.push_back(entry->needs_device);
   }
   double done = 0;
   const auto show = [&](std::string_view stage) {
@@ -65,9 +69,11 @@ Result<TraceBenchReport> run_trace_bench(const BenchScene& scene, const Oracle& 
   // The first trace of each is held against the truth and warms up; it is not timed.
   const std::vector<OracleHit> expected = oracle.trace(rays, options.threads);
   std::vector<BenchHit> hits(rays.size());
-  for (auto& engine : engines) {
+  for (std::size_t i = 0; i < engines.size(); ++i) {
+    std::unique_ptr<TraceEngine>& engine = engines[i];
     EngineRow row;
     row.engine = engine->name();
+    row.on_device = on_device[i];
     show(row.engine);
     const auto named = [&](Error error) {
       error.message = row.engine + ": " + error.message;

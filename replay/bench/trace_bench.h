@@ -23,14 +23,15 @@ struct TraceBenchOptions {
   std::vector<std::string> engines;  // empty: all that are there
   unsigned repeat = 5;
   unsigned threads = 2;
-  bool any_hit = false;  // whether something is hit; else the closest hit
+  bool any_hit = false;      // whether something is hit; else the closest hit
   PageBuilder page_builder;  // without it our own engines are left out
-  std::string device;  // part of the Vulkan device's name
+  std::string device;        // part of the Vulkan device's name
   std::function<void(double fraction, std::string_view stage)> progress;  // may be empty
 };
 
 struct EngineRow {
   std::string engine;
+  bool on_device = false;  // else on the CPU
   BuildFigures figures;
   double median_ms = 0;
   double best_ms = 0;
@@ -41,6 +42,7 @@ struct TraceBenchReport {
   std::string scene;
   bool any_hit = false;
   std::string device, driver;  // empty when no engine needs one
+  double copy_gb_per_s = 0;    // of the device's memory, bytes read and bytes written both counted
   std::uint64_t rays = 0;
   std::uint64_t triangles = 0;
   std::uint64_t zones = 0;
