@@ -34,6 +34,7 @@ class Device {
 
   [[nodiscard]] VkDevice handle() const { return device_; }
   [[nodiscard]] const VkPhysicalDeviceLimits& limits() const { return properties_.limits; }
+  [[nodiscard]] bool is_cpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const std::string& driver() const { return driver_; }
   // Milliseconds between two timestamps, which may wrap; 0 where the queue has none.

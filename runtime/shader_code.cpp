@@ -2,6 +2,7 @@
 #include "runtime/shader_code.h"
 
 #include "spirv/bench/resolve_plain.comp.h"
+#include "spirv/bench/spin.comp.h"
 #include "spirv/bench/trace_bvh2.comp.h"
 #include "spirv/bench/trace_plain_children.comp.h"
 #include "spirv/bench/trace_plain_packets.comp.h"
@@ -41,6 +42,7 @@ std::span<const std::uint32_t> resolve_hits() { return ::resolve_hits_comp; }
 std::span<const std::uint32_t> shade_hits() { return ::shade_hits_comp; }
 std::span<const std::uint32_t> composite_frame() { return ::composite_frame_comp; }
 std::span<const std::uint32_t> show_debug() { return ::show_debug_comp; }
+std::span<const std::uint32_t> bench_spin() { return ::bench_spin_comp; }
 std::span<const std::uint32_t> bench_trace_bvh2() { return ::bench_trace_bvh2_comp; }
 std::span<const std::uint32_t> bench_trace_ray_query() { return ::bench_trace_ray_query_comp; }
 std::span<const std::uint32_t> bench_trace_thesis() { return ::bench_trace_thesis_comp; }

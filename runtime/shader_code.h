@@ -24,6 +24,7 @@ std::span<const std::uint32_t> composite_frame();
 std::span<const std::uint32_t> show_debug();
 
 // Kernels of `zonecast bench`.
+std::span<const std::uint32_t> bench_spin();
 std::span<const std::uint32_t> bench_trace_bvh2();
 std::span<const std::uint32_t> bench_trace_ray_query();  // needs Device::has_ray_query
 std::span<const std::uint32_t> bench_trace_thesis();

@@ -70,6 +70,7 @@ uint order_slots(uint bits, uint octant) {
 // The triangles of the leaves that were hit, as bits counted from the node's first triangle.
 uint leaf_triangles(uint leaves, uint counts) {
   uint bits = 0u;
+  if (leaves == 0u) return bits;
   uint first = 0u;
   for (int slot = 0; slot < int(kNodeWidth); ++slot) {
     const uint count = (counts >> (4 * slot)) & 15u;
@@ -79,25 +80,30 @@ uint leaf_triangles(uint leaves, uint counts) {
   return bits;
 }
 
-// Entry distance of plane q is q * near_scale + near_start, exit distance q * far_scale + far_start. The true distance is
-// (q * 2^e + from) / d. In floats the product and the sum are off by at most 2^-24 of |q * scale|, |start| and the result
-// each, `start` itself by 3 * 2^-24 of its magnitude: widening scale by 4 and start by 8 units of 2^-24 covers it.
+// Plane q, a byte, is read as v = 1 + q / 2^15 by putting it into a float's mantissa: converting integers costs discrete
+// GPUs four times as much. Entry distance is v * scale + near_start, exit distance v * scale + far_start; the true one is
+// (q * 2^e + from) / d. With the scale 2^15 times as large and the start less that scale, floats are off by at most 9 units
+// of 2^-24 of |from / d|, the reciprocal's 2.5 ulp included, and 4 of |scale|: widening both starts by 16 units of their
+// sum covers it and costs a 32nd of a grid cell.
 // (The usual slab test with fused multiply-add has no such bound and loses boxes far from the origin; Ize 2013 pads the
 // far distance only, which holds for (plane - origin) * reciprocal.)
 struct SlabTest {
-  vec3 near_scale;
+  vec3 scale;
   vec3 near_start;
-  vec3 far_scale;
   vec3 far_start;
 };
 
 SlabTest make_slab_test(vec3 from, uint exponents, vec3 reciprocal) {
   const uvec3 e = uvec3(exponents, exponents >> 5, exponents >> 10) & 31u;
-  const vec3 scale = uintBitsToFloat((e + 127u) << 23) * reciprocal;
+  const vec3 scale = uintBitsToFloat((e + (127u + 15u)) << 23) * reciprocal;
   const vec3 start = from * reciprocal;
-  const vec3 pad_scale = abs(scale) * (4.0 / 16777216.0);
-  const vec3 pad_start = abs(start) * (8.0 / 16777216.0);
-  return SlabTest(scale - pad_scale, start - pad_start, scale + pad_scale, start + pad_start);
+  const vec3 pad = (abs(start) + abs(scale)) * (16.0 / 16777216.0);
+  return SlabTest(scale, start - scale - pad, start - scale + pad);
+}
+
+// Byte i of four planes, as v.
+float plane_at(uint planes, int i) {
+  return uintBitsToFloat(((i == 0 ? planes << 8 : planes >> (8 * i - 8)) & 0xFF00u) | 0x3F800000u);
 }
 
 // Four children at once: bit i is set when the ray meets child i between t_min and t_max. Distances are compared as
@@ -109,13 +115,12 @@ uint hit_four(SlabTest s, uint near_x, uint near_y, uint near_z, uint far_x, uin
   const int most = floatBitsToInt(t_max);
   uint hits = 0u;
   for (int i = 0; i < 4; ++i) {
-    const int shift = 8 * i;
-    const int x0 = floatBitsToInt(float((near_x >> shift) & 0xFFu) * s.near_scale.x + s.near_start.x);
-    const int y0 = floatBitsToInt(float((near_y >> shift) & 0xFFu) * s.near_scale.y + s.near_start.y);
-    const int z0 = floatBitsToInt(float((near_z >> shift) & 0xFFu) * s.near_scale.z + s.near_start.z);
-    const int x1 = floatBitsToInt(float((far_x >> shift) & 0xFFu) * s.far_scale.x + s.far_start.x);
-    const int y1 = floatBitsToInt(float((far_y >> shift) & 0xFFu) * s.far_scale.y + s.far_start.y);
-    const int z1 = floatBitsToInt(float((far_z >> shift) & 0xFFu) * s.far_scale.z + s.far_start.z);
+    const int x0 = floatBitsToInt(plane_at(near_x, i) * s.scale.x + s.near_start.x);
+    const int y0 = floatBitsToInt(plane_at(near_y, i) * s.scale.y + s.near_start.y);
+    const int z0 = floatBitsToInt(plane_at(near_z, i) * s.scale.z + s.near_start.z);
+    const int x1 = floatBitsToInt(plane_at(far_x, i) * s.scale.x + s.far_start.x);
+    const int y1 = floatBitsToInt(plane_at(far_y, i) * s.scale.y + s.far_start.y);
+    const int z1 = floatBitsToInt(plane_at(far_z, i) * s.scale.z + s.far_start.z);
     const int enter = max(max(x0, y0), max(z0, least));
     const int leave = min(min(x1, y1), min(z1, most));
     hits |= enter <= leave ? 1u << i : 0u;

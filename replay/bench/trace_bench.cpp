@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "replay/bench/clock_warmer.h"
 #include "replay/bench/engine_names.h"
 #include "replay/bench/engines.h"
 #include "replay/bench/gpu_engine.h"
@@ -26,6 +27,7 @@ Result<TraceBenchReport> run_trace_bench(const BenchScene& scene, const Oracle& 
   const bool by_name = !options.engines.empty();
   EngineContext context{nullptr, &options.page_builder, options.threads, options.any_hit};
   std::unique_ptr<Device> device;
+  ClockWarmer warmer;
   std::string no_device;
   if (std::ranges::any_of(chosen, &EngineEntry::needs_device)) {
     DeviceOptions wanted;
@@ -39,6 +41,8 @@ Result<TraceBenchReport> run_trace_bench(const BenchScene& scene, const Oracle& 
       context.device = device.get();
       report.device = device->name();
       report.driver = device->driver();
+      ZC_ASSIGN(warmer, ClockWarmer::create(*device));
+      ZC_TRY(warmer.warm());
       ZC_ASSIGN(report.copy_gb_per_s, copy_gb_per_s(*device));
     } else {
       no_device = created.error().describe();
@@ -97,6 +101,7 @@ Result<TraceBenchReport> run_trace_bench(const BenchScene& scene, const Oracle& 
   for (unsigned round = 0; round < options.repeat; ++round) {
     for (std::size_t i = 0; i < engines.size(); ++i) {
       show(report.rows[i].engine);
+      if (report.rows[i].on_device) ZC_TRY(warmer.warm());
       ZC_ASSIGN(const double ms, engines[i]->trace(rays, hits));
       times[i].push_back(ms);
     }

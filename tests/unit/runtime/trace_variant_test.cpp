@@ -10,7 +10,7 @@
 namespace zc {
 namespace {
 
-constexpr TraceLimits kRoomy{32, 1U << 16U, 24};
+constexpr TraceLimits kRoomy{8, 1U << 16U, 24};
 
 std::string choose(const TraceLimits& limits, const std::map<std::string, double>& times_ms,
                    std::vector<std::string>* measured = nullptr) {
@@ -53,7 +53,8 @@ TEST(TraceVariant, OtherNamesAreUnknown) {
 
 TEST(TraceVariant, WhatDoesNotFitGivesWayToTheNearestThatDoes) {
   for (const TraceVariant& variant : all_trace_variants()) {
-    for (const TraceLimits limits : {TraceLimits{0, 0, 24}, TraceLimits{4, 1U << 14U, 24}, TraceLimits{8, 0, 1}}) {
+    for (const TraceLimits limits :
+         {TraceLimits{0, 0, 24}, TraceLimits{4, 1U << 14U, 24}, TraceLimits{8, 0, 1}, TraceLimits{32, 1U << 16U, 24}}) {
       const TraceVariant near = nearest_fit(variant, limits);
       EXPECT_EQ(misfit(near, limits), "");
       EXPECT_EQ(misfit(variant, limits).empty(), near == variant);
