@@ -20,8 +20,7 @@
 #include "baker/bvh/build_page.h"
 #include "baker/cut.h"
 #include "baker/encode.h"
-#include "baker/light/light_threads.h"
-#include "baker/light/zone_light.h"
+#include "baker/light/city_light.h"
 #include "baker/proxy_tree.h"
 #include "baker/snap.h"
 #include "baker/tileset.h"
@@ -164,6 +163,7 @@ std::string bake_json(const BakeReport& report) {
   json["source_triangles"] = report.index.header.source_triangles;
   json["nodes"] = report.index.nodes.size();
   json["proxies"] = {{"reused", report.proxies_reused}, {"built", report.proxies_built}};
+  json["lights"] = {{"reused", report.lights_reused}, {"built", report.lights_built}};
   const auto counts = [](std::span<const ImportCount> notes) {
     auto list = nlohmann::ordered_json::array();
     for (const ImportCount& note : notes) list.push_back({{"what", note.what}, {"count", note.count}});
@@ -212,12 +212,12 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   const double step_m = std::ldexp(1.0, options.step_log2);
   const std::vector<std::uint16_t> looks = look_classes(materials);
   const SimplifyContext context = {nullptr, materials, looks, step_m, options.error_m, options.leaf_triangles};
-  ProxyCache cache;
-  if (options.reuse) cache.read(writer.out() / kProxyCacheName, materials.size());
-  ZC_ASSIGN(const ProxyTree proxies, build_proxies(std::move(tree), context, cache, [&] { progress.step(); }));
-  if (options.reuse) ZC_TRY(writer.write(kProxyCacheName, cache.encode()));
-  report.proxies_reused = cache.found();
-  report.proxies_built = cache.added();
+  BakeCache cache;
+  if (options.reuse) cache.read(writer.out() / kBakeCacheName);
+  ProxyCache proxy_cache(cache, materials.size());
+  ZC_ASSIGN(const ProxyTree proxies, build_proxies(std::move(tree), context, proxy_cache, [&] { progress.step(); }));
+  report.proxies_reused = proxy_cache.found();
+  report.proxies_built = proxy_cache.added();
   if (proxies.lost_triangles > 0)
     report.notes.push_back({"triangles without area at their zone's step", proxies.lost_triangles});
   report.seconds.simplify = watch.lap();
@@ -261,13 +261,14 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   if (options.light) {
     progress.begin("light", 0.93, 0.95, count);
     const auto threads = static_cast<unsigned>(tbb::this_task_arena::max_concurrency());
-    ZC_ASSIGN(const LightScene city, LightScene::build(decoded, index.nodes, materials, step_m, threads));
-    for_each_on_threads(count, threads, [&](std::size_t i) {
-      appearances[i].light = bake_zone_light(decoded[i], index.nodes[i], city, options.sun, step_m);
-      progress.step();
-    });
+    ZC_ASSIGN(CityLight light, light_city(decoded, index.nodes, materials, options.sun, step_m, threads, cache,
+                                          [&] { progress.step(); }));
+    for (std::size_t i = 0; i < count; ++i) appearances[i].light = std::move(light.zones[i]);
+    report.lights_reused = light.reused;
+    report.lights_built = light.built;
     if (options.sun) index.header.sun = options.sun->pack();
   }
+  if (options.reuse) ZC_TRY(writer.write(kBakeCacheName, cache.encode()));
   report.seconds.light = watch.lap();
 
   progress.begin("bvh", 0.95, 1.0, count);

@@ -57,6 +57,8 @@ struct BakeReport {
   RepairReport repair;
   std::uint64_t proxies_reused = 0;
   std::uint64_t proxies_built = 0;
+  std::uint64_t lights_reused = 0;  // zones whose light the last bake had
+  std::uint64_t lights_built = 0;
   std::uint64_t peak_rss_bytes = 0;  // of the process
 };
 

@@ -1,53 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/proxy_cache.h"
 
-#include <xxhash.h>
-
-#include <bit>
 #include <cmath>
 #include <cstring>
-#include <memory>
 #include <set>
-#include <type_traits>
-
-#include "base/file.h"
 
 namespace zc {
 namespace {
 
-// One more whenever simplification, measuring or this format change: what they returned before is stale then.
+// One more whenever simplification, measuring or an entry's form change: what they returned before is stale then.
 constexpr std::uint32_t kVersion = 2;
-constexpr std::array<char, 4> kMagic = {'Z', 'P', 'C', '1'};
-constexpr std::uint64_t kBytesMost = std::uint64_t{1} << 34U;
 constexpr std::uint32_t kStepShiftMost = 14;  // 2^30 steps in 2^16
 
-class Hasher {
- public:
-  Hasher() { XXH3_128bits_reset(state_.get()); }
-  template <class T>
-  requires std::has_unique_object_representations_v<T> || std::is_floating_point_v<T> Hasher& add(const T& value) {
-    XXH3_128bits_update(state_.get(), &value, sizeof value);
-    return *this;
-  }
-  template <class T>
-  requires std::has_unique_object_representations_v<T> Hasher& add(std::span<const T> values) {
-    add(std::uint64_t{values.size()});
-    if (!values.empty()) XXH3_128bits_update(state_.get(), values.data(), values.size_bytes());
-    return *this;
-  }
-  [[nodiscard]] ProxyKey key() const {
-    const XXH128_hash_t hash = XXH3_128bits_digest(state_.get());
-    return {hash.high64, hash.low64};
-  }
-
- private:
-  struct Free {
-    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
-  };
-  std::unique_ptr<XXH3_state_t, Free> state_{XXH3_createState()};
-};
-
-void add_place(Hasher& hash, const SimplifyContext& context, const Zone& zone) {
+void add_place(CacheKeyHasher& hash, const SimplifyContext& context, const Zone& zone) {
   const CellGrid& grid = *context.grid;
   hash.add(kVersion).add(context.step_m).add(context.error_m).add(context.leaf_triangles);
   hash.add(grid.root_log2).add(grid.min_cell_log2).add(grid.overhang).add(grid.height);
@@ -83,11 +48,11 @@ std::vector<std::byte> encode_entry(const std::optional<Proxy>& proxy) {
     header.vertex_count = static_cast<std::uint32_t>(proxy->mesh.vertices.size());
     header.face_count = static_cast<std::uint32_t>(proxy->mesh.faces.size());
   }
-  std::vector<std::byte> out(sizeof header);
+  const std::size_t vertex_bytes = header.vertex_count * sizeof(LatticePoint);
+  std::vector<std::byte> out(sizeof header + vertex_bytes);
   std::memcpy(out.data(), &header, sizeof header);
   if (!proxy) return out;
-  const auto vertices = std::as_bytes(std::span(proxy->mesh.vertices));
-  out.insert(out.end(), vertices.begin(), vertices.end());
+  if (vertex_bytes > 0) std::memcpy(out.data() + sizeof header, proxy->mesh.vertices.data(), vertex_bytes);
   for (const LatticeFace& face : proxy->mesh.faces) append_face(face, out);
   return out;
 }
@@ -132,21 +97,10 @@ std::optional<std::optional<Proxy>> decode_entry(std::span<const std::byte> byte
   return std::optional<Proxy>(std::move(proxy));
 }
 
-struct FileHeader {
-  std::array<char, 4> magic = kMagic;
-  std::uint32_t version = kVersion;
-  std::uint64_t xxh3 = 0;  // of all that follows
-};
-
-struct EntryPlace {
-  ProxyKey key = {};
-  std::uint64_t bytes = 0;
-};
-
 }  // namespace
 
-ProxyKey leaf_key(const SimplifyContext& context, const Zone& zone) {
-  Hasher hash;
+CacheKey leaf_key(const SimplifyContext& context, const Zone& zone) {
+  CacheKeyHasher hash;
   add_place(hash, context, zone);
   std::vector<std::byte> faces;
   std::set<std::uint16_t> used;
@@ -163,65 +117,24 @@ ProxyKey leaf_key(const SimplifyContext& context, const Zone& zone) {
   return hash.key();
 }
 
-ProxyKey inner_key(const SimplifyContext& context, const Zone& zone, std::span<const ProxyKey> children,
-                   std::span<const ProxyKey> leaves) {
-  Hasher hash;
+CacheKey inner_key(const SimplifyContext& context, const Zone& zone, std::span<const CacheKey> children,
+                   std::span<const CacheKey> leaves) {
+  CacheKeyHasher hash;
   add_place(hash, context, zone);
   return hash.add(children).add(leaves).key();
 }
 
-void ProxyCache::read(const std::filesystem::path& file, std::size_t material_count) {
-  const std::lock_guard lock(mutex_);
-  material_count_ = material_count;
-  const Result<std::vector<std::byte>> bytes = read_file(file, kBytesMost);
-  FileHeader header;
-  if (!bytes || bytes->size() < sizeof header) return;
-  std::memcpy(&header, bytes->data(), sizeof header);
-  std::span<const std::byte> rest = std::span(*bytes).subspan(sizeof header);
-  if (header.magic != kMagic || header.version != kVersion || header.xxh3 != XXH3_64bits(rest.data(), rest.size()))
-    return;
-  for (EntryPlace place; rest.size() >= sizeof place;) {
-    std::memcpy(&place, rest.data(), sizeof place);
-    rest = rest.subspan(sizeof place);
-    if (place.bytes > rest.size()) return;
-    const auto entry = rest.first(place.bytes);
-    entries_[place.key].bytes.assign(entry.begin(), entry.end());
-    rest = rest.subspan(place.bytes);
-  }
-}
-
-std::optional<std::optional<Proxy>> ProxyCache::find(const ProxyKey& key) {
-  const std::lock_guard lock(mutex_);
-  const auto entry = entries_.find(key);
-  if (entry == entries_.end()) return std::nullopt;
-  std::optional<std::optional<Proxy>> proxy = decode_entry(entry->second.bytes, material_count_);
-  if (!proxy) return std::nullopt;
-  entry->second.used = true;
-  ++found_;
+std::optional<std::optional<Proxy>> ProxyCache::find(const CacheKey& key) {
+  const auto bytes = store_.find(key);
+  if (!bytes) return std::nullopt;
+  std::optional<std::optional<Proxy>> proxy = decode_entry(*bytes, material_count_);
+  if (proxy) ++found_;
   return proxy;
 }
 
-void ProxyCache::add(const ProxyKey& key, const std::optional<Proxy>& proxy) {
-  std::vector<std::byte> bytes = encode_entry(proxy);
-  const std::lock_guard lock(mutex_);
-  entries_[key] = {std::move(bytes), true};
+void ProxyCache::add(const CacheKey& key, const std::optional<Proxy>& proxy) {
+  store_.add(key, encode_entry(proxy));
   ++added_;
-}
-
-std::vector<std::byte> ProxyCache::encode() const {
-  const std::lock_guard lock(mutex_);
-  FileHeader header;
-  std::vector<std::byte> out(sizeof header);
-  for (const auto& [key, entry] : entries_) {
-    if (!entry.used) continue;
-    const EntryPlace place = {key, entry.bytes.size()};
-    const auto bytes = std::as_bytes(std::span(&place, 1));
-    out.insert(out.end(), bytes.begin(), bytes.end());
-    out.insert(out.end(), entry.bytes.begin(), entry.bytes.end());
-  }
-  header.xxh3 = XXH3_64bits(out.data() + sizeof header, out.size() - sizeof header);
-  std::memcpy(out.data(), &header, sizeof header);
-  return out;
 }
 
 }  // namespace zc

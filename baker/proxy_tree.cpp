@@ -11,7 +11,7 @@ namespace zc {
 namespace {
 
 struct ZoneState {
-  ProxyKey key = {};           // of the proxy
+  CacheKey key = {};           // of the proxy
   Proxy detail;                // of a leaf: rounded
   DistanceBvh bvh;             // of a leaf: over the unrounded detail; empty until something is measured against it
   std::optional<Proxy> proxy;  // none: not stored
@@ -90,9 +90,9 @@ class Builder {
     if (state.below.empty()) return;
     std::vector<const Proxy*> children;
     for (const std::uint32_t child : state.below) children.push_back(&*states_[child].proxy);
-    std::vector<ProxyKey> child_keys;
+    std::vector<CacheKey> child_keys;
     for (const std::uint32_t child : state.below) child_keys.push_back(states_[child].key);
-    std::vector<ProxyKey> leaf_keys;
+    std::vector<CacheKey> leaf_keys;
     for (const std::uint32_t leaf : state.leaves) leaf_keys.push_back(states_[leaf].key);
     state.key = inner_key(context_, zone, child_keys, leaf_keys);
     if (auto known = cache_.find(state.key); known && may_stand_above(*known, children)) {

@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <numeric>
 #include <string>
+#include <utility>
 
 #include "baker/light/light_threads.h"
 
@@ -50,33 +53,21 @@ const std::array<glm::vec3, kBounceSuns>& bounce_suns() {
   return suns;
 }
 
-struct LightScene::Handles {
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-
-  Handles() = default;
-  Handles(const Handles&) = delete;
-  Handles& operator=(const Handles&) = delete;
-  ~Handles() {
-    if (scene != nullptr) rtcReleaseScene(scene);
-    if (device != nullptr) rtcReleaseDevice(device);
-  }
-};
-
-LightScene::LightScene() : handles_(std::make_unique<Handles>()) {}
-LightScene::LightScene(LightScene&&) noexcept = default;
-LightScene::~LightScene() = default;
-
-Result<LightScene> LightScene::build(std::span<const ZoneMesh> meshes, std::span<const NodeRecord> nodes,
-                                     std::span<const Material> materials, double step_m, unsigned threads) {
-  LightScene out;
+LightDetail::LightDetail(std::span<const ZoneMesh> meshes, std::span<const NodeRecord> nodes,
+                         std::span<const Material> materials, double step_m) {
   float extent = 1;
   std::size_t triangles = 0;
   for (const NodeRecord& node : nodes) triangles += node.is_detail() ? node.triangle_count : 0;
-  out.vertices_.reserve(3 * triangles + 1);  // Embree loads 16 bytes at the last vertex
+  corners.reserve(3 * triangles + 1);  // Embree loads 16 bytes at the last corner
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     if (!nodes[n].is_detail()) continue;
     const ZoneMesh& mesh = meshes[n];
+    Part part;
+    part.node = static_cast<std::uint32_t>(n);
+    part.first = static_cast<std::uint32_t>(normal.size());
+    part.count = static_cast<std::uint32_t>(mesh.triangles.size());
+    part.low = glm::vec3(std::numeric_limits<float>::infinity());
+    part.high = -part.low;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       for (const std::uint32_t v : mesh.triangles[t]) {
         glm::vec3 p;
@@ -87,56 +78,107 @@ Result<LightScene> LightScene::build(std::span<const ZoneMesh> meshes, std::span
           p[axis] = static_cast<float>(static_cast<double>(lattice) * step_m);
           extent = std::max(extent, std::abs(p[axis]));
         }
-        out.vertices_.push_back(p);
+        part.low = glm::min(part.low, p);
+        part.high = glm::max(part.high, p);
+        corners.push_back(p);
       }
-      const glm::vec3* corner = &out.vertices_[out.vertices_.size() - 3];
-      out.normal_.push_back(glm::normalize(glm::cross(corner[1] - corner[0], corner[2] - corner[0])));
-      out.albedo_.push_back(materials[mesh.materials[t]].base_color);
+      const glm::vec3* corner = &corners[corners.size() - 3];
+      normal.push_back(glm::normalize(glm::cross(corner[1] - corner[0], corner[2] - corner[0])));
+      albedo.push_back(materials[mesh.materials[t]].base_color);
     }
+    parts.push_back(part);
   }
-  out.bias_m_ = std::max(kMinBiasM, kBiasUlps * extent * std::numeric_limits<float>::epsilon());
+  sunlight.resize(normal.size());
+  bias_m = std::max(kMinBiasM, kBiasUlps * extent * std::numeric_limits<float>::epsilon());
+}
 
+Result<LightDevice> LightDevice::create() {
   RTCDevice device = rtcNewDevice("threads=1,isa=avx2,max_isa=avx2");
   if (device == nullptr) device = rtcNewDevice("threads=1");  // a processor without AVX2
-  out.handles_->device = device;
   if (device == nullptr) return Error{ErrorCode::kDevice, "Embree cannot be started"};
-  out.handles_->scene = rtcNewScene(device);
+  return LightDevice(device);
+}
+LightDevice::LightDevice(LightDevice&& other) noexcept : device_(std::exchange(other.device_, nullptr)) {}
+LightDevice::~LightDevice() {
+  if (device_ != nullptr) rtcReleaseDevice(device_);
+}
+
+struct LightScene::Handles {
+  RTCScene scene = nullptr;
+
+  explicit Handles(RTCDevice device) : scene(rtcNewScene(device)) {}
+  Handles(const Handles&) = delete;
+  Handles& operator=(const Handles&) = delete;
+  ~Handles() { rtcReleaseScene(scene); }
+};
+
+LightScene::LightScene(const LightDetail& detail) : detail_(&detail) {}
+LightScene::LightScene(LightScene&&) noexcept = default;
+LightScene::~LightScene() = default;
+
+Result<LightScene> LightScene::build(const LightDevice& device, const LightDetail& detail,
+                                     std::span<const std::uint32_t> parts) {
+  LightScene out(detail);
+  for (const std::uint32_t p : parts) {
+    const LightDetail::Part& part = detail.parts[p];
+    for (std::uint32_t i = 0; i < part.count; ++i) out.triangles_.push_back(part.first + i);
+  }
+  out.handles_ = std::make_unique<Handles>(device.handle());
   rtcSetSceneFlags(out.handles_->scene, RTC_SCENE_FLAG_ROBUST);
-  const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  const std::size_t count = out.normal_.size();
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, out.vertices_.data(), 0,
-                             sizeof(glm::vec3), out.vertices_.size());
-  auto* indices = static_cast<std::uint32_t*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), count));
+  const RTCGeometry geometry = rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, detail.corners.data(), 0,
+                             sizeof(glm::vec3), detail.corners.size());
+  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), out.triangles_.size()));
   if (indices != nullptr)
-    for (std::uint32_t i = 0; i < 3 * count; ++i) indices[i] = i;
+    for (const std::uint32_t t : out.triangles_)
+      for (std::uint32_t k = 0; k < 3; ++k) *indices++ = 3 * t + k;
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(out.handles_->scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(out.handles_->scene);
-  if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE || indices == nullptr)
+  if (const RTCError error = rtcGetDeviceError(device.handle()); error != RTC_ERROR_NONE || indices == nullptr)
     return Error{error == RTC_ERROR_OUT_OF_MEMORY ? ErrorCode::kBudget : ErrorCode::kDevice,
                  "Embree failed with error " + std::to_string(error)};
-  out.measure_sunlight(threads);
   return out;
 }
 
-void LightScene::measure_sunlight(unsigned threads) {
-  sunlight_.resize(normal_.size());
-  for_each_on_threads(sunlight_.size(), threads, [&](std::size_t t) {
-    const glm::vec3* corner = &vertices_[3 * t];
-    for (std::size_t k = 0; k < kBounceSuns; ++k) {
-      const glm::vec3& sun = bounce_suns()[k];
-      const float cosine = glm::dot(normal_[t], sun);
-      int lit = 0;
-      for (const glm::vec3& b : kSunPoints) {
-        const glm::vec3 p = corner[0] * b.x + corner[1] * b.y + corner[2] * b.z;
-        lit += blocked(p + normal_[t] * std::copysign(bias_m_, cosine), sun, kSunDistanceM) ? 0 : 1;
-      }
-      const float share = cosine * static_cast<float>(lit) / static_cast<float>(kSunPoints.size());
-      sunlight_[t][k] = static_cast<std::int8_t>(std::lround(share * 127));
-    }
+Result<LightScene> LightScene::build(std::span<const ZoneMesh> meshes, std::span<const NodeRecord> nodes,
+                                     std::span<const Material> materials, double step_m, unsigned threads) {
+  ZC_ASSIGN(LightDevice device, LightDevice::create());
+  auto detail = std::make_unique<LightDetail>(meshes, nodes, materials, step_m);
+  std::vector<std::uint32_t> parts(detail->parts.size());
+  std::iota(parts.begin(), parts.end(), 0U);
+  ZC_ASSIGN(LightScene out, build(device, *detail, parts));
+  for_each_on_threads(detail->sunlight.size(), threads, [&](std::size_t t) {
+    detail->sunlight[t] = out.measure_sunlight(static_cast<std::uint32_t>(t));
   });
+  out.own_device_ = std::make_unique<LightDevice>(std::move(device));
+  out.own_detail_ = std::move(detail);
+  return out;
+}
+
+LightDetail::Sunlight LightScene::measure_sunlight(std::uint32_t triangle) const {
+  LightDetail::Sunlight out{};
+  const glm::vec3* corner = &detail_->corners[3 * std::size_t{triangle}];
+  const glm::vec3& normal = detail_->normal[triangle];
+  for (std::size_t k = 0; k < kBounceSuns; ++k) {
+    const glm::vec3& sun = bounce_suns()[k];
+    const float cosine = glm::dot(normal, sun);
+    int lit = 0;
+    for (const glm::vec3& b : kSunPoints) {
+      const glm::vec3 p = corner[0] * b.x + corner[1] * b.y + corner[2] * b.z;
+      lit += blocked(p + normal * std::copysign(bias_m(), cosine), sun, kSunDistanceM) ? 0 : 1;
+    }
+    const float share = cosine * static_cast<float>(lit) / static_cast<float>(kSunPoints.size());
+    out[k] = static_cast<std::int8_t>(std::lround(share * 127));
+  }
+  return out;
+}
+
+LightScene::Hit LightScene::hit(unsigned primitive, float distance_m, const glm::vec3& direction) const {
+  const std::uint32_t triangle = triangles_[primitive];
+  return {distance_m, triangle, glm::dot(normal(triangle), direction) > 0};
 }
 
 std::optional<LightScene::Hit> LightScene::closest(const glm::vec3& origin, const glm::vec3& direction,
@@ -148,7 +190,7 @@ std::optional<LightScene::Hit> LightScene::closest(const glm::vec3& origin, cons
   rtcInitIntersectContext(&context);
   rtcIntersect1(handles_->scene, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  return Hit{query.ray.tfar, query.hit.primID, glm::dot(normal_[query.hit.primID], direction) > 0};
+  return hit(query.hit.primID, query.ray.tfar, direction);
 }
 
 std::array<LightScene::Hit, LightScene::kPacket> LightScene::closest(const glm::vec3& origin,
@@ -175,8 +217,7 @@ std::array<LightScene::Hit, LightScene::kPacket> LightScene::closest(const glm::
   for (std::size_t i = 0; i < kPacket; ++i) {
     hits[i].distance_m = std::numeric_limits<float>::infinity();
     if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-    const std::uint32_t triangle = query.hit.primID[i];
-    hits[i] = {query.ray.tfar[i], triangle, glm::dot(normal_[triangle], directions[i]) > 0};
+    hits[i] = hit(query.hit.primID[i], query.ray.tfar[i], directions[i]);
   }
   return hits;
 }
@@ -190,7 +231,7 @@ bool LightScene::blocked(const glm::vec3& origin, const glm::vec3& direction, fl
 }
 
 float LightScene::sunlight(const Hit& hit, std::size_t k) const {
-  const auto share = static_cast<float>(sunlight_[hit.triangle][k]) / 127;
+  const auto share = static_cast<float>(detail_->sunlight[hit.triangle][k]) / 127;
   return std::max(hit.from_behind ? -share : share, 0.0F);
 }
 

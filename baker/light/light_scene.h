@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The whole city at full detail for rays of light: Embree over the detail nodes, as decoded, with each triangle's
-// colour and how much of the sun it sends on. Built and asked by any threads; the same answers every time (Embree's own
-// builder runs on one thread, and one instruction set is fixed). Units: metres from the world's anchor, single
-// precision. Owns its copy.
+// A city at full detail for rays of light, all of it or the parts that some zones see: Embree over the detail nodes, as
+// decoded, with each triangle's colour and how much of the sun it sends on. Built and asked by any threads; the same
+// answers every time for the same parts (Embree's own builder runs on one thread, and one instruction set is fixed).
+// Units: metres from the world's anchor, single precision.
 #pragma once
 
 #include <array>
@@ -17,11 +17,49 @@
 #include "base/result.h"
 #include "streamer/world_format/bvh_page.h"
 
+struct RTCDeviceTy;
+
 namespace zc {
 
 // Directions to suns that bounced light is measured for.
 inline constexpr std::size_t kBounceSuns = 7;
 const std::array<glm::vec3, kBounceSuns>& bounce_suns();
+
+// The triangles of all detail nodes.
+struct LightDetail {
+  using Sunlight = std::array<std::int8_t, kBounceSuns>;
+  struct Part {  // a detail node
+    std::uint32_t node = 0;
+    std::uint32_t first = 0;  // triangle
+    std::uint32_t count = 0;
+    glm::vec3 low{0};
+    glm::vec3 high{0};
+  };
+
+  LightDetail(std::span<const ZoneMesh> meshes, std::span<const NodeRecord> nodes, std::span<const Material> materials,
+              double step_m);
+
+  std::vector<Part> parts;         // in the order of the nodes
+  std::vector<glm::vec3> corners;  // three a triangle
+  std::vector<glm::vec3> albedo;   // per triangle, as everything below
+  std::vector<glm::vec3> normal;   // unit
+  std::vector<Sunlight> sunlight;  // of each sun, of 127; negative: on the back
+  float bias_m = 0;                // how far from a surface rays start, so that they do not meet it again
+};
+
+// Embree itself. While one lives TBB has no more than one thread.
+class LightDevice {
+ public:
+  static Result<LightDevice> create();
+  LightDevice(LightDevice&& other) noexcept;
+  LightDevice& operator=(LightDevice&&) = delete;
+  ~LightDevice();
+  [[nodiscard]] RTCDeviceTy* handle() const { return device_; }
+
+ private:
+  explicit LightDevice(RTCDeviceTy* device) : device_(device) {}
+  RTCDeviceTy* device_;
+};
 
 class LightScene {
  public:
@@ -31,7 +69,10 @@ class LightScene {
     bool from_behind = false;
   };
 
-  // Fails when Embree refuses. meshes and nodes: of the whole world; only the details are taken.
+  // Of the parts of a detail by number; borrows both, which must outlive it. Fails when Embree refuses.
+  static Result<LightScene> build(const LightDevice& device, const LightDetail& detail,
+                                  std::span<const std::uint32_t> parts);
+  // Of a whole world, with its sunlight measured.
   static Result<LightScene> build(std::span<const ZoneMesh> meshes, std::span<const NodeRecord> nodes,
                                   std::span<const Material> materials, double step_m, unsigned threads);
   LightScene(LightScene&&) noexcept;
@@ -45,24 +86,26 @@ class LightScene {
                                                  std::span<const glm::vec3, kPacket> directions, float far_m) const;
   [[nodiscard]] bool blocked(const glm::vec3& origin, const glm::vec3& direction, float far_m) const;
 
-  [[nodiscard]] const glm::vec3& albedo(std::uint32_t triangle) const { return albedo_[triangle]; }
-  [[nodiscard]] const glm::vec3& normal(std::uint32_t triangle) const { return normal_[triangle]; }
+  // A triangle's share of each sun's light, by rays from four points of it.
+  [[nodiscard]] LightDetail::Sunlight measure_sunlight(std::uint32_t triangle) const;
+
+  // By the detail's number of a triangle.
+  [[nodiscard]] const glm::vec3& albedo(std::uint32_t triangle) const { return detail_->albedo[triangle]; }
+  [[nodiscard]] const glm::vec3& normal(std::uint32_t triangle) const { return detail_->normal[triangle]; }
   // Mean share of the k-th sun's light that falls on the side that was hit, 0..1.
   [[nodiscard]] float sunlight(const Hit& hit, std::size_t k) const;
-  // How far from a surface rays start, so that they do not meet it again.
-  [[nodiscard]] float bias_m() const { return bias_m_; }
+  [[nodiscard]] float bias_m() const { return detail_->bias_m; }
 
  private:
   struct Handles;
-  LightScene();
-  void measure_sunlight(unsigned threads);
+  explicit LightScene(const LightDetail& detail);
+  [[nodiscard]] Hit hit(unsigned primitive, float distance_m, const glm::vec3& direction) const;
 
+  std::unique_ptr<LightDevice> own_device_;  // of a whole world, as the next
+  std::unique_ptr<LightDetail> own_detail_;
+  const LightDetail* detail_;
+  std::vector<std::uint32_t> triangles_;  // per triangle of Embree's: the detail's
   std::unique_ptr<Handles> handles_;
-  std::vector<glm::vec3> vertices_;  // three a triangle; Embree reads them in place
-  std::vector<glm::vec3> albedo_;
-  std::vector<glm::vec3> normal_;
-  std::vector<std::array<std::int8_t, kBounceSuns>> sunlight_;  // of 127; negative: on the back
-  float bias_m_ = 0;
 };
 
 }  // namespace zc

@@ -13,8 +13,6 @@
 namespace zc {
 namespace {
 
-// Skylight and bounced light come from no further than this, so that a change of the city changes only what is near.
-constexpr float kReachM = 128;
 constexpr float kSunDistanceM = 1e6F;
 constexpr std::size_t kRays = 48;
 // Samples lie this far from a corner towards the others, so that what touches the corner does not hide everything.
@@ -187,7 +185,7 @@ class ZoneLight {
     for (std::size_t first = 0; first < kRays; first += LightScene::kPacket) {
       std::array<glm::vec3, LightScene::kPacket> directions;
       for (std::size_t i = 0; i < directions.size(); ++i) directions[i] = frame * hemisphere()[first + i];
-      for (const LightScene::Hit& hit : scene_.closest(origin, directions, kReachM)) {
+      for (const LightScene::Hit& hit : scene_.closest(origin, directions, kLightReachM)) {
         if (!std::isfinite(hit.distance_m)) {
           got.sky += 1.0F / kRays;
           continue;

@@ -14,6 +14,9 @@
 
 namespace zc {
 
+// Skylight and bounced light come from no further than this, so that a change of the city changes only what is near.
+inline constexpr float kLightReachM = 128;
+
 glm::vec3 sun_direction(const SunAngles& sun);
 
 // Per triangle of `mesh`; empty when all of it is in full skylight, nothing shines back and no sun is asked about.

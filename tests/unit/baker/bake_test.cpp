@@ -11,7 +11,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "baker/proxy_cache.h"
+#include "baker/bake_cache.h"
 #include "base/file.h"
 #include "streamer/world_format/bvh_page.h"
 #include "tests/unit/baker/test_city.h"
@@ -147,7 +147,7 @@ TEST_F(Bake, AMaterialThatChangesIsSeenByTheZonesThatHaveIt) {
 TEST_F(Bake, ADamagedCacheIsAsGoodAsNone) {
   ASSERT_TRUE(bake(test::small_city(), "world").ok());
   const auto sound = read_world(folder_ / "world");
-  const std::vector<std::byte>& bytes = sound.at(kProxyCacheName);
+  const std::vector<std::byte>& bytes = sound.at(kBakeCacheName);
   std::vector<std::vector<std::byte>> damaged = {
       {}, {bytes.begin(), bytes.begin() + 7}, {bytes.begin(), bytes.end() - 1}};
   for (const std::size_t at : {std::size_t{0}, std::size_t{4}, std::size_t{20}, std::size_t{40}, bytes.size() / 2}) {
@@ -155,7 +155,7 @@ TEST_F(Bake, ADamagedCacheIsAsGoodAsNone) {
     damaged.back()[at] ^= std::byte{0x10};
   }
   for (const auto& file : damaged) {
-    ASSERT_TRUE(write_file(folder_ / "world" / kProxyCacheName, file).ok());
+    ASSERT_TRUE(write_file(folder_ / "world" / kBakeCacheName, file).ok());
     const auto report = bake(test::small_city(), "world");
     ASSERT_TRUE(report.ok());
     EXPECT_EQ(report->proxies_reused, 0U);
@@ -170,14 +170,14 @@ TEST_F(Bake, ACacheThatSaysNonsenseUnderAGoodChecksumNeverBreaksAWorld) {
   constexpr std::size_t kHeader = 16;
   std::uint32_t seed = 9;
   for (int round = 0; round < 6; ++round) {
-    std::vector<std::byte> bytes = sound.at(kProxyCacheName);
+    std::vector<std::byte> bytes = sound.at(kBakeCacheName);
     for (int flips = 0; flips < 30; ++flips) {
       seed = seed * 1664525U + 1013904223U;
       bytes[kHeader + (seed >> 4U) % (bytes.size() - kHeader)] ^= std::byte(1U << (seed % 8U));
     }
     const std::uint64_t hash = XXH3_64bits(bytes.data() + kHeader, bytes.size() - kHeader);
     std::memcpy(bytes.data() + 8, &hash, sizeof hash);
-    ASSERT_TRUE(write_file(folder_ / "world" / kProxyCacheName, bytes).ok());
+    ASSERT_TRUE(write_file(folder_ / "world" / kBakeCacheName, bytes).ok());
     const auto report = bake(test::small_city(), "world");
     if (report.ok()) expect_sound(folder_ / "world");
   }
