@@ -89,7 +89,7 @@ Status for_all(std::size_t count, Work work) {
 }
 
 Status encode_node(const ProxyNode& source, std::span<const Material> materials, double step_m,
-                   const WorldWriter& writer, NodeRecord& node, ZoneMesh& decoded) {
+                   const WorldWriter& writer, NodeRecord& node, ZoneMesh& decoded, DiskParts& disk) {
   node.parent = source.parent;
   node.first_child = source.child_count > 0 ? source.first_child : 0;
   node.child_count = source.child_count;
@@ -112,21 +112,31 @@ Status encode_node(const ProxyNode& source, std::span<const Material> materials,
   node.primitive_count = zone.primitive_count;
   node.scratch_bytes = decode_scratch_bytes(zone.glb, node);  // build_node_bvh adds its part
   node.glb_bytes = zone.glb.size();
+  disk.triangles = zone.triangle_count;
+  disk.mesh = zone.draco_bytes;
+  disk.json = zone.glb.size() - zone.draco_bytes;
   node.glb_xxh3 = XXH3_64bits(zone.glb.data(), zone.glb.size());
   const std::string name = node_file(node, "glb");
   // Read as the streamer reads it: the BVH belongs to the decoded mesh.
   ZC_ASSIGN(decoded, decode_zone_glb(zone.glb, node, name));
+  decoded.materials = zone.materials;
   return writer.write(name, zone.glb);
 }
 
 Status build_node_bvh(const ZoneMesh& mesh, ZoneAppearance appearance, const BvhBuildOptions& options,
-                      std::uint32_t material_count, const WorldWriter& writer, NodeRecord& node) {
+                      std::uint32_t material_count, const WorldWriter& writer, NodeRecord& node, DiskParts& disk) {
   const std::string name = node_file(node, "zbvh");
   ZC_ASSIGN(const BuiltPage page, build_page(mesh, std::move(appearance), options, material_count, node, name));
-  const std::vector<std::byte> bytes = encode_bvh_file(page.bvh);
+  const auto [bytes, parts] = encode_bvh_file(page.bvh, mesh, node);
+  disk.bvh = parts;
   node.bvh_bytes = bytes.size();
   node.scratch_bytes += bvh_scratch_bytes(node);
   node.bvh_xxh3 = XXH3_64bits(bytes.data(), bytes.size());
+  // Read as the streamer reads it.
+  ZoneMesh read = {mesh.vertices, mesh.triangles, {}};
+  ZC_ASSIGN(const BvhFile decoded, decode_bvh_file(bytes, read, node, name));
+  ZC_ASSIGN(const std::vector<std::uint32_t> words, assemble_page(read, decoded, node, material_count, name));
+  if (words != page.words) return Error{ErrorCode::kFormat, "is not the page that it was made from", name};
   return writer.write(name, bytes);
 }
 
@@ -164,6 +174,7 @@ std::string bake_json(const BakeReport& report) {
   json["nodes"] = report.index.nodes.size();
   json["proxies"] = {{"reused", report.proxies_reused}, {"built", report.proxies_built}};
   json["lights"] = {{"reused", report.lights_reused}, {"built", report.lights_built}};
+  json["disk_bytes"] = {{"proxies", report.proxies.to_json()}, {"detail", report.detail.to_json()}};
   const auto counts = [](std::span<const ImportCount> notes) {
     auto list = nlohmann::ordered_json::array();
     for (const ImportCount& note : notes) list.push_back({{"what", note.what}, {"count", note.count}});
@@ -229,8 +240,9 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   for (const std::uint32_t depth : depths) ZC_TRY(writer.make_directory("zones/" + std::to_string(depth)));
   index.nodes.resize(count);
   std::vector<ZoneMesh> decoded(count);
+  std::vector<DiskParts> disk(count);
   ZC_TRY(for_all(count, [&](std::size_t i) {
-    Status status = encode_node(proxies.nodes[i], materials, step_m, writer, index.nodes[i], decoded[i]);
+    Status status = encode_node(proxies.nodes[i], materials, step_m, writer, index.nodes[i], decoded[i], disk[i]);
     progress.step();
     return status;
   }));
@@ -274,14 +286,15 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   progress.begin("bvh", 0.95, 1.0, count);
   const auto material_count = static_cast<std::uint32_t>(materials.size());
   ZC_TRY(for_all(count, [&](std::size_t i) {
-    Status status =
-        build_node_bvh(decoded[i], std::move(appearances[i]), options.bvh, material_count, writer, index.nodes[i]);
+    Status status = build_node_bvh(decoded[i], std::move(appearances[i]), options.bvh, material_count, writer,
+                                   index.nodes[i], disk[i]);
     decoded[i] = {};
     progress.step();
     return status;
   }));
   report.seconds.bvh = watch.lap();
 
+  for (std::size_t i = 0; i < count; ++i) (index.nodes[i].is_detail() ? report.detail : report.proxies).add(disk[i]);
   LatticeBox bounds;
   for (const NodeRecord& node : index.nodes) {
     bounds.add(node.bounds_min);

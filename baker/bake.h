@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "baker/bvh/build_wide.h"
+#include "baker/disk_parts.h"
 #include "baker/repair.h"
 #include "baker/scene.h"
 #include "baker/world_writer.h"
@@ -60,6 +61,8 @@ struct BakeReport {
   std::uint64_t lights_reused = 0;  // zones whose light the last bake had
   std::uint64_t lights_built = 0;
   std::uint64_t peak_rss_bytes = 0;  // of the process
+  DiskParts proxies;
+  DiskParts detail;
 };
 
 // writer: opened before the import, so that a place that will not do is known before the work.

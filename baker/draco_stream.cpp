@@ -6,84 +6,150 @@
 #include <draco/mesh/mesh.h>
 
 #include <algorithm>
+#include <compare>
 #include <cstring>
 #include <exception>
 #include <optional>
 
+#include "streamer/world_format/draco_tables.h"
+
 namespace zc {
 namespace {
 
-constexpr int kSpeed = 3;  // of 0 (smallest) to 10
+struct Way {
+  int method;
+  int speed;  // of 0 (smallest) to 10
+  bool predict_colors;
+};
+// The smallest is kept. Below speed 5 the connectivity may be of symbols without a length, and so may predicted
+// colours. Below 3 little is saved, at the price of decoders with tables of several times the size.
+constexpr std::array<Way, 4> kWays = {{{draco::MESH_EDGEBREAKER_ENCODING, 3, true},
+                                       {draco::MESH_EDGEBREAKER_ENCODING, 3, false},
+                                       {draco::MESH_EDGEBREAKER_ENCODING, 5, true},
+                                       {draco::MESH_EDGEBREAKER_ENCODING, 5, false}}};
+constexpr Way kLastResort = {draco::MESH_SEQUENTIAL_ENCODING, 3, true};
 
 using Corner = std::array<std::uint16_t, 3>;
-using Triangle = std::array<Corner, 3>;
 
-Triangle canonical(Triangle t) {
-  std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
-  return t;
+struct Face {
+  std::array<Corner, 3> corners;  // the least first
+  Rgb8 color = {};
+  std::uint32_t index = 0;
+
+  [[nodiscard]] bool looks_like(const Face& o) const { return corners == o.corners && color == o.color; }
+  auto operator<=>(const Face&) const = default;
+};
+
+Face canonical(std::array<Corner, 3> corners, const Rgb8& color, std::uint32_t index) {
+  std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+  return {corners, color, index};
 }
 
-std::vector<Triangle> canonical_triangles(const QuantizedTriangles& mesh) {
-  std::vector<Triangle> out;
+std::vector<Face> canonical_faces(const QuantizedTriangles& mesh) {
+  std::vector<Face> out;
   out.reserve(mesh.triangles.size());
   for (const auto& t : mesh.triangles)
-    out.push_back(canonical({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}));
-  std::sort(out.begin(), out.end());
+    out.push_back(canonical({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]},
+                            mesh.colors.empty() ? Rgb8{} : mesh.colors[out.size()],
+                            static_cast<std::uint32_t>(out.size())));
+  std::ranges::sort(out);
   return out;
 }
 
+// A point per corner, which become one where position and colour are the same.
 void to_draco(const QuantizedTriangles& mesh, draco::Mesh& out) {
-  out.set_num_points(static_cast<std::uint32_t>(mesh.vertices.size()));
-  draco::GeometryAttribute position;
-  position.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_UINT16, false, 3 * sizeof(std::uint16_t), 0);
-  const int attribute = out.AddAttribute(position, true, static_cast<std::uint32_t>(mesh.vertices.size()));
-  for (std::uint32_t i = 0; i < mesh.vertices.size(); ++i)
-    out.attribute(attribute)->SetAttributeValue(draco::AttributeValueIndex(i), mesh.vertices[i].data());
+  const auto corners = static_cast<std::uint32_t>(3 * mesh.triangles.size());
+  out.set_num_points(corners);
   out.SetNumFaces(mesh.triangles.size());
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    const auto& t = mesh.triangles[i];
-    out.SetFace(draco::FaceIndex(i), {draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])});
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
+    out.SetFace(draco::FaceIndex(i),
+                {draco::PointIndex(3 * i), draco::PointIndex(3 * i + 1), draco::PointIndex(3 * i + 2)});
+  // Colours come first: what can be followed through a stream of two attributes is a stream whose first one has a
+  // length, and that of colours mostly does.
+  if (!mesh.colors.empty()) {
+    std::vector<Rgb8> palette = mesh.colors;
+    std::ranges::sort(palette);
+    palette.erase(std::ranges::unique(palette).begin(), palette.end());
+    draco::GeometryAttribute color;
+    color.Init(draco::GeometryAttribute::COLOR, nullptr, 3, draco::DT_UINT8, true, sizeof(Rgb8), 0);
+    draco::PointAttribute& values =
+        *out.attribute(out.AddAttribute(color, false, static_cast<std::uint32_t>(palette.size())));
+    for (std::uint32_t i = 0; i < palette.size(); ++i)
+      values.SetAttributeValue(draco::AttributeValueIndex(i), palette[i].data());
+    for (std::uint32_t c = 0; c < corners; ++c) {
+      const auto found = std::ranges::lower_bound(palette, mesh.colors[c / 3]) - palette.begin();
+      values.SetPointMapEntry(draco::PointIndex(c), draco::AttributeValueIndex(static_cast<std::uint32_t>(found)));
+    }
   }
+  draco::GeometryAttribute position;
+  position.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_UINT16, false, sizeof(Corner), 0);
+  draco::PointAttribute& values =
+      *out.attribute(out.AddAttribute(position, false, static_cast<std::uint32_t>(mesh.vertices.size())));
+  for (std::uint32_t i = 0; i < mesh.vertices.size(); ++i)
+    values.SetAttributeValue(draco::AttributeValueIndex(i), mesh.vertices[i].data());
+  for (std::uint32_t c = 0; c < corners; ++c)
+    values.SetPointMapEntry(draco::PointIndex(c), draco::AttributeValueIndex(mesh.triangles[c / 3][c % 3]));
+  out.DeduplicatePointIds();
 }
 
-// Empty when the stream cannot be written or does not give `expected` back.
-std::optional<DracoStream> try_encode(const draco::Mesh& mesh, int method, const std::vector<Triangle>& expected) {
+// Empty when there is no such stream that the streamer reads.
+std::vector<std::byte> try_encode(const draco::Mesh& mesh, const Way& way) {
   draco::ExpertEncoder encoder(mesh);
-  encoder.SetSpeedOptions(kSpeed, kSpeed);
-  encoder.SetEncodingMethod(method);
+  encoder.SetSpeedOptions(way.speed, way.speed);
+  encoder.SetEncodingMethod(way.method);
+  const int position_id = mesh.GetNamedAttributeId(draco::GeometryAttribute::POSITION);
+  if (way.method == draco::MESH_EDGEBREAKER_ENCODING &&
+      !encoder.SetAttributePredictionScheme(position_id, draco::MESH_PREDICTION_CONSTRAINED_MULTI_PARALLELOGRAM).ok())
+    return {};
+  const int color_id = mesh.GetNamedAttributeId(draco::GeometryAttribute::COLOR);
+  if (color_id >= 0 && !way.predict_colors &&
+      !encoder.SetAttributePredictionScheme(color_id, draco::PREDICTION_NONE).ok())
+    return {};
   draco::EncoderBuffer buffer;
-  if (!encoder.EncodeToBuffer(&buffer).ok()) return std::nullopt;
+  if (!encoder.EncodeToBuffer(&buffer).ok()) return {};
+  std::vector<std::byte> bytes(buffer.size());
+  std::memcpy(bytes.data(), buffer.data(), buffer.size());
+  if (!draco_table_bytes(bytes)) return {};
+  return bytes;
+}
 
+// Nothing when the stream does not give `expected` back.
+std::optional<DracoStream> read_back(const std::vector<std::byte>& bytes, const std::vector<Face>& expected) {
   draco::DecoderBuffer input;
-  input.Init(buffer.data(), buffer.size());
+  input.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::Decoder decoder;
   auto decoded = decoder.DecodeMeshFromBuffer(&input);
   if (!decoded.ok()) return std::nullopt;
   const draco::Mesh& back = *decoded.value();
   const draco::PointAttribute* position = back.GetNamedAttribute(draco::GeometryAttribute::POSITION);
   if (position == nullptr || position->data_type() != draco::DT_UINT16) return std::nullopt;
+  const draco::PointAttribute* color = back.GetNamedAttribute(draco::GeometryAttribute::COLOR);
+  if (color != nullptr && color->data_type() != draco::DT_UINT8) return std::nullopt;
 
   DracoStream out;
-  out.attribute_id = position->unique_id();
-  out.vertex_count = back.num_points();
+  out.bytes = bytes;
+  out.position_id = position->unique_id();
+  if (color != nullptr) out.color_id = color->unique_id();
+  out.point_count = back.num_points();
   out.min = {65535, 65535, 65535};
-  QuantizedTriangles result;
-  for (draco::PointIndex p(0); p < back.num_points(); ++p) {
-    Corner value = {};
-    position->GetMappedValue(p, value.data());
-    result.vertices.push_back(value);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      out.min[axis] = std::min(out.min[axis], value[axis]);
-      out.max[axis] = std::max(out.max[axis], value[axis]);
-    }
-  }
+  std::vector<Face> result;
   for (draco::FaceIndex f(0); f < back.num_faces(); ++f) {
-    const auto& face = back.face(f);
-    result.triangles.push_back({face[0].value(), face[1].value(), face[2].value()});
+    std::array<Corner, 3> corners{};
+    Rgb8 rgb{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      position->GetMappedValue(back.face(f)[k], corners[k].data());
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        out.min[axis] = std::min(out.min[axis], corners[k][axis]);
+        out.max[axis] = std::max(out.max[axis], corners[k][axis]);
+      }
+    }
+    if (color != nullptr) color->GetMappedValue(back.face(f)[0], rgb.data());
+    result.push_back(canonical(corners, rgb, f.value()));
   }
-  if (canonical_triangles(result) != expected) return std::nullopt;
-  out.bytes.resize(buffer.size());
-  std::memcpy(out.bytes.data(), buffer.data(), buffer.size());
+  std::ranges::sort(result);
+  if (!std::ranges::equal(result, expected, &Face::looks_like)) return std::nullopt;
+  out.order.resize(result.size());
+  for (std::size_t i = 0; i < result.size(); ++i) out.order[result[i].index] = expected[i].index;
   return out;
 }
 
@@ -94,9 +160,15 @@ Result<DracoStream> encode_draco(const QuantizedTriangles& mesh) {
   try {
     draco::Mesh source;
     to_draco(mesh, source);
-    const std::vector<Triangle> expected = canonical_triangles(mesh);
-    for (const int method : {draco::MESH_EDGEBREAKER_ENCODING, draco::MESH_SEQUENTIAL_ENCODING})
-      if (auto stream = try_encode(source, method, expected)) return *std::move(stream);
+    const std::vector<Face> expected = canonical_faces(mesh);
+    std::vector<std::vector<std::byte>> streams;
+    for (const Way& way : kWays)
+      if (way.predict_colors || !mesh.colors.empty()) streams.push_back(try_encode(source, way));
+    std::ranges::stable_sort(streams, {}, &std::vector<std::byte>::size);
+    if (mesh.colors.empty()) streams.push_back(try_encode(source, kLastResort));
+    for (const std::vector<std::byte>& bytes : streams)
+      if (!bytes.empty())
+        if (auto stream = read_back(bytes, expected)) return *std::move(stream);
   } catch (const std::exception& exception) {
     return Error{ErrorCode::kFormat, std::string("Draco: ") + exception.what()};
   }

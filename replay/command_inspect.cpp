@@ -34,8 +34,11 @@ void print_table(const nlohmann::ordered_json& json) {
               << level["error_m_mean"].get<double>() << std::setw(12) << level["appearance_error_m_max"].get<double>()
               << '\n';
   }
-  std::cout << "\nresident bytes a proxy triangle:" << std::setprecision(2);
+  std::cout << "\nbytes a proxy triangle, resident:" << std::setprecision(2);
   for (const auto& [part, bytes] : json["resident_bytes_per_triangle"].items())
+    std::cout << ' ' << part << ' ' << bytes.get<double>() << (part == "total" ? "\n" : ",");
+  std::cout << "bytes a proxy triangle, on disk:";
+  for (const auto& [part, bytes] : json["disk_bytes_per_triangle"].items())
     std::cout << ' ' << part << ' ' << bytes.get<double>() << (part == "total" ? "\n\n" : ",");
   print_thesis_table(std::cout, json["table_4_1"]);
 }

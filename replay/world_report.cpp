@@ -17,6 +17,7 @@ constexpr const char* kBakeReport = "bake.json";
 struct Level {
   std::uint64_t nodes = 0, triangles = 0, bvh_nodes = 0, page_bytes = 0;
   std::uint64_t look_bytes = 0, light_bytes = 0, normal_bytes = 0, texture_bytes = 0;
+  std::uint64_t glb_bytes = 0, zbvh_bytes = 0;
   double error_max_m = 0, error_sum_m = 0, appearance_max_m = 0;
 
   void add(const NodeRecord& node) {
@@ -28,6 +29,8 @@ struct Level {
     light_bytes += node.light_bytes;
     normal_bytes += node.normal_bytes;
     texture_bytes += node.texture_bytes;
+    glb_bytes += node.glb_bytes;
+    zbvh_bytes += node.bvh_bytes;
     error_max_m = std::max(error_max_m, static_cast<double>(node.error_max_m));
     appearance_max_m = std::max(appearance_max_m, static_cast<double>(node.appearance_error_m));
     error_sum_m += static_cast<double>(node.error_mean_m) * node.triangle_count;
@@ -67,7 +70,34 @@ struct Level {
     json["total"] = per_triangle(static_cast<double>(page_bytes));
     return json;
   }
+
+  // On the disk. `baked`: what the bake says of these files' insides, or nothing.
+  [[nodiscard]] nlohmann::ordered_json disk_per_triangle(const nlohmann::ordered_json& baked) const {
+    const std::uint64_t index_bytes = nodes * sizeof(NodeRecord);
+    nlohmann::ordered_json json;
+    for (const char* part : {"mesh", "json", "tree", "materials", "looks", "light", "normals", "texture"}) {
+      const auto bytes = baked.is_object() ? baked.find(part) : baked.end();
+      if (bytes == baked.end() || !bytes->is_number_unsigned()) {
+        json = {{"glb", per_triangle(static_cast<double>(glb_bytes))},
+                {"zbvh", per_triangle(static_cast<double>(zbvh_bytes))}};
+        break;
+      }
+      json[part] = per_triangle(bytes->get<double>());
+    }
+    json["index"] = per_triangle(static_cast<double>(index_bytes));
+    json["total"] = per_triangle(static_cast<double>(glb_bytes + zbvh_bytes + index_bytes));
+    return json;
+  }
 };
+
+// Empty where there is none that can be read.
+nlohmann::ordered_json read_bake_report(Source& source) {
+  const auto bake = source.read_all(kBakeReport, 1 << 20);
+  if (!bake) return nlohmann::ordered_json::object();
+  const auto* text = reinterpret_cast<const char*>(bake->data());
+  auto report = nlohmann::ordered_json::parse(text, text + bake->size(), nullptr, false);
+  return report.is_object() ? report : nlohmann::ordered_json::object();
+}
 
 }  // namespace
 
@@ -110,13 +140,11 @@ nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index) {
   json["levels"].push_back(std::move(row));
   json["resident_bytes_per_triangle"] = proxies.parts_per_triangle();
   json["disk_bytes"] = {{"glb", glb}, {"zbvh", zbvh}, {"index", encode_world_index(index).size()}};
-  const auto bake = source.read_all(kBakeReport, 1 << 20);
-  if (bake) {
-    const auto* text = reinterpret_cast<const char*>(bake->data());
-    const auto report = nlohmann::ordered_json::parse(text, text + bake->size(), nullptr, false);
-    if (report.is_object() && report.value("bake_s", nlohmann::ordered_json()).is_object())
-      json["bake_s"] = report["bake_s"];
-  }
+  const nlohmann::ordered_json report = read_bake_report(source);
+  const nlohmann::ordered_json disk = report.value("disk_bytes", nlohmann::ordered_json());
+  json["disk_bytes_per_triangle"] = proxies.disk_per_triangle(
+      disk.is_object() ? disk.value("proxies", nlohmann::ordered_json()) : nlohmann::ordered_json());
+  if (report.value("bake_s", nlohmann::ordered_json()).is_object()) json["bake_s"] = report["bake_s"];
   json["table_4_1"] =
       thesis_table(index, json.value(nlohmann::ordered_json::json_pointer("/bake_s/bvh"), nlohmann::ordered_json()));
   return json;

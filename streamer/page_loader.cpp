@@ -33,7 +33,7 @@ Result<std::vector<std::uint32_t>> load(Source& source, const WorldIndex& index,
   BvhFile bvh;
   {
     ZC_ASSIGN(const std::vector<std::byte> file, read_verified(source, bvh_name, record.bvh_bytes, record.bvh_xxh3));
-    ZC_ASSIGN(bvh, decode_bvh_file(file, bvh_name));
+    ZC_ASSIGN(bvh, decode_bvh_file(file, mesh, record, bvh_name));
   }
   return assemble_page(mesh, bvh, record, static_cast<std::uint32_t>(index.materials.size()), bvh_name);
 }

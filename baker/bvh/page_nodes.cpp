@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/bvh/page_nodes.h"
 
+#include <algorithm>
 #include <span>
 #include <utility>
 
 #include "base/check.h"
 #include "shaders/shared/page_node.h"
 #include "streamer/world_format/cluster_tables.h"
+#include "streamer/world_format/leaf_boxes.h"
 
 namespace zc {
 namespace {
@@ -26,36 +28,39 @@ class Layout {
     out_.clusters.push_back(0);
     visit(0);
     ZC_CHECK(out_.order.size() == tree_.references.size());
+    const std::vector<std::uint8_t> cut = leaves_with_pieces(out_);
+    for (std::uint32_t i = 0; i < cut.size(); ++i)
+      for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
+        if ((cut[i] >> slot & 1U) == 0) continue;
+        const BvhBox& box = tree_.nodes[i].slots[slot].box;
+        out_.trims.push_back(trim_to(box_of_leaf(out_, mesh_, i, slot), {box.min, box.max}));
+      }
+    ZC_CHECK(fit_boxes(out_, mesh_, record_, {}).ok());
     return std::move(out_);
   }
 
  private:
   void visit(std::uint32_t index) {
     const WideNode& wide = tree_.nodes[index];
-    std::array<NodeBox, gpu::kNodeWidth> boxes;
-    for (std::size_t slot = 0; slot < gpu::kNodeWidth; ++slot)
-      if (wide.slots[slot].kind != WideChild::Kind::kNone) boxes[slot] = to_world(wide.slots[slot].box);
-    gpu::PageNode node = pack_boxes(boxes);
-
-    std::uint32_t first_child = 0;
-    std::uint32_t first_reference = 0;
-    std::uint32_t references = 0;
+    gpu::PageNode node{};
+    triangles_.clear();
     for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
       const WideChild& child = wide.slots[slot];
       if (child.kind == WideChild::Kind::kNode) {
-        if (inner_mask(node) == 0) first_child = child.first;
+        if (inner_mask(node) == 0) node.child_offset = child.first;
         node.exponents_masks |= 1U << (16 + slot);
       } else if (child.kind == WideChild::Kind::kLeaf) {
-        if (references == 0) first_reference = child.first;
         node.exponents_masks |= 1U << (24 + slot);
         node.leaf_counts |= child.count << (4 * slot);
-        references += child.count;
+        const std::size_t first = triangles_.size();
+        for (const BvhReference& r : std::span(tree_.references).subspan(child.first, child.count))
+          triangles_.push_back(r.triangle);
+        std::sort(triangles_.begin() + static_cast<std::ptrdiff_t>(first), triangles_.end());  // as the file has them
       }
     }
-    node.child_offset = first_child;
-    if (references > 0) {
+    if (!triangles_.empty()) {
       node.triangle_offset = static_cast<std::uint32_t>(out_.order.size());
-      append(std::span(tree_.references).subspan(first_reference, references));
+      append();
       node.cluster_offset = static_cast<std::uint32_t>(out_.clusters.size()) - 1;
     }
     out_.nodes[index] = node;
@@ -63,33 +68,24 @@ class Layout {
       if (child.kind == WideChild::Kind::kNode) visit(child.first);
   }
 
-  [[nodiscard]] NodeBox to_world(const BvhBox& box) const {
-    NodeBox world;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      world.min[axis] = record_.origin[axis] + (std::int32_t{box.min[axis]} << record_.step_shift);
-      world.max[axis] = record_.origin[axis] + (std::int32_t{box.max[axis]} << record_.step_shift);
-    }
-    return world;
-  }
-
   // All of a node's triangles go into one cluster: a new one when the present one has no room for them, their vertices
   // or their materials or looks.
-  void append(std::span<const BvhReference> references) {
-    if (!try_add(references)) {
+  void append() {
+    if (!try_add()) {
       out_.clusters.push_back(static_cast<std::uint32_t>(out_.order.size()));
       vertices_.clear();
       palette_.clear();
-      ZC_CHECK(try_add(references));  // at most 96 vertices
+      ZC_CHECK(try_add());  // at most 96 vertices
     }
-    for (const BvhReference& r : references) out_.order.push_back(r.triangle);
+    out_.order.insert(out_.order.end(), triangles_.begin(), triangles_.end());
   }
 
-  bool try_add(std::span<const BvhReference> references) {
-    if (out_.order.size() - out_.clusters.back() + references.size() > gpu::kClusterMaxTriangles) return false;
+  bool try_add() {
+    if (out_.order.size() - out_.clusters.back() + triangles_.size() > gpu::kClusterMaxTriangles) return false;
     const std::vector<std::uint16_t>& looks = out_.appearance.look_of;
-    for (const BvhReference& r : references) {
-      if (!palette_.add(looks.empty() ? mesh_.materials[r.triangle] : looks[r.triangle])) return false;
-      for (const std::uint32_t v : mesh_.triangles[r.triangle])
+    for (const std::uint32_t t : triangles_) {
+      if (!palette_.add(looks.empty() ? mesh_.materials[t] : looks[t])) return false;
+      for (const std::uint32_t v : mesh_.triangles[t])
         if (!vertices_.add(mesh_.vertices[v])) return false;
     }
     return true;
@@ -99,6 +95,7 @@ class Layout {
   const ZoneMesh& mesh_;
   const NodeRecord& record_;
   BvhFile out_;
+  std::vector<std::uint32_t> triangles_;  // of the node's leaves
   ClusterVertices vertices_;
   ClusterPalette palette_;
 };

@@ -132,6 +132,21 @@ Result<GltfGeometry> read_draco_primitive(const GltfFile& file, const tinygltf::
     ZC_ASSIGN(const auto uvs, read_attribute<2>(file, primitive, texcoord_name, id.GetNumberAsInt(), *mesh, where));
     for (const auto& uv : uvs) geometry.texcoords.emplace_back(uv[0], uv[1]);
   }
+  if (const tinygltf::Value& id = extension.Get("attributes").Get("COLOR_0"); id.IsInt()) {
+    const int color_id = id.GetNumberAsInt();
+    const draco::PointAttribute* const color =
+        color_id < 0 ? nullptr : mesh->GetAttributeByUniqueId(static_cast<std::uint32_t>(color_id));
+    const auto keep = [&](const auto& values) {
+      for (const auto& rgb : values) geometry.colors.emplace_back(rgb[0], rgb[1], rgb[2]);
+    };
+    if (color != nullptr && color->num_components() == 4) {
+      ZC_ASSIGN(const auto rgba, read_attribute<4>(file, primitive, "COLOR_0", color_id, *mesh, where));
+      keep(rgba);
+    } else {
+      ZC_ASSIGN(const auto rgb, read_attribute<3>(file, primitive, "COLOR_0", color_id, *mesh, where));
+      keep(rgb);
+    }
+  }
   geometry.triangles.reserve(mesh->num_faces());
   for (draco::FaceIndex f(0); f < mesh->num_faces(); ++f) {
     const draco::Mesh::Face& face = mesh->face(f);

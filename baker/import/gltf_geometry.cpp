@@ -167,6 +167,18 @@ Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primit
     for (std::size_t i = 0; i < count; ++i) geometry.texcoords.emplace_back(uv[2 * i], uv[2 * i + 1]);
   }
 
+  if (const auto at = primitive.attributes.find("COLOR_0"); at != primitive.attributes.end()) {
+    const bool alpha = at->second >= 0 && static_cast<std::size_t>(at->second) < file.model.accessors.size() &&
+                       file.model.accessors[static_cast<std::size_t>(at->second)].type == TINYGLTF_TYPE_VEC4;
+    const std::size_t parts = alpha ? 4 : 3;
+    ZC_ASSIGN(
+        const std::vector<double> rgb,
+        read_accessor(file, at->second, alpha ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3, parts, where + " COLOR_0"));
+    if (rgb.size() != parts * count) return file.error(where + " has not as many colours as positions");
+    for (std::size_t i = 0; i < count; ++i)
+      geometry.colors.emplace_back(rgb[parts * i], rgb[parts * i + 1], rgb[parts * i + 2]);
+  }
+
   std::optional<std::vector<double>> indices;
   if (primitive.indices >= 0) {
     ZC_ASSIGN(indices, read_accessor(file, primitive.indices, TINYGLTF_TYPE_SCALAR, 1, where + " indices"));

@@ -17,6 +17,7 @@ struct GltfGeometry {
   std::vector<glm::dvec3> positions;  // in the mesh's own frame
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<glm::vec2> texcoords;  // per position; empty: none
+  std::vector<glm::vec3> colors;     // COLOR_0, linear, likewise
 };
 
 // Empty for primitives of points or lines. texcoord: which TEXCOORD_ is read where there is one; negative: none.

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <glm/common.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <optional>
@@ -104,7 +105,7 @@ class GltfImport {
  private:
   struct Part {
     GltfGeometry geometry;
-    std::uint16_t material = 0;
+    std::vector<std::uint16_t> materials;  // per triangle
   };
 
   // Of the default scene, else the first one, else every node that is nobody's child.
@@ -194,6 +195,7 @@ class GltfImport {
                      file_.path};
       for (const glm::dvec3& p : part.geometry.positions) object.positions.emplace_back(world * glm::dvec4(p, 1));
       const auto& uv = part.geometry.texcoords;
+      object.materials.insert(object.materials.end(), part.materials.begin(), part.materials.end());
       for (const auto& [a, b, c] : part.geometry.triangles) {
         const auto at = [base](std::uint32_t corner) { return static_cast<std::uint32_t>(base + corner); };
         const std::array corners = mirrored ? std::array{a, c, b} : std::array{a, b, c};
@@ -201,7 +203,6 @@ class GltfImport {
           object.texcoords.push_back(
               {static_cast<std::uint32_t>(object.triangles.size()), {uv[corners[0]], uv[corners[1]], uv[corners[2]]}});
         object.triangles.push_back({at(corners[0]), at(corners[1]), at(corners[2])});
-        object.materials.push_back(part.material);
       }
     }
     return builder_.add(object);
@@ -219,12 +220,34 @@ class GltfImport {
         builder_.note("glTF primitives without triangles (points, lines), left out");
         continue;
       }
-      part.material = builder_.material(look.material);
+      part.materials = materials_of(part.geometry, look.material);
       for (glm::vec2& uv : part.geometry.texcoords) uv = look.uv_transform * glm::vec3(uv, 1);
       parts.push_back(std::move(part));
     }
     meshes_[mesh_index] = std::move(parts);
     return {};
+  }
+
+  // A triangle of one colour keeps it; of several it has their mean, roughly, so that gradients are not a material
+  // each.
+  std::vector<std::uint16_t> materials_of(const GltfGeometry& geometry, const Material& plain) {
+    if (geometry.colors.empty() || plain.texture) {
+      if (!geometry.colors.empty())
+        builder_.note("glTF primitives with vertex colours over a texture, colours left out");
+      return std::vector<std::uint16_t>(geometry.triangles.size(), builder_.material(plain));
+    }
+    std::vector<std::uint16_t> materials;
+    for (const auto& [a, b, c] : geometry.triangles) {
+      const auto& colors = geometry.colors;
+      constexpr float kSteps = 31;
+      glm::vec3 color = colors[a];
+      if (colors[b] != color || colors[c] != color)
+        color = glm::round((color + colors[b] + colors[c]) * (kSteps / 3)) / kSteps;
+      Material material = plain;
+      for (int i = 0; i < 3; ++i) material.base_color[i] *= std::min(1.0F, std::max(0.0F, color[i]));  // no number: 0
+      materials.push_back(builder_.material(material));
+    }
+    return materials;
   }
 
   struct Look {

@@ -10,6 +10,8 @@
 #include <glm/matrix.hpp>
 #include <numeric>
 
+#include "baker/light/quiet_light.h"
+
 namespace zc {
 namespace {
 
@@ -323,7 +325,9 @@ glm::vec3 sun_direction(const SunAngles& sun) {
 
 std::vector<gpu::TriangleLight> bake_zone_light(const ZoneMesh& mesh, const NodeRecord& node, const LightScene& scene,
                                                 const std::optional<SunAngles>& sun, double step_m) {
-  return ZoneLight(mesh, node, scene, sun, step_m).run();
+  std::vector<gpu::TriangleLight> light = ZoneLight(mesh, node, scene, sun, step_m).run();
+  quiet_light(mesh, light);
+  return light;
 }
 
 }  // namespace zc

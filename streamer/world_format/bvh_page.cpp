@@ -4,36 +4,23 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
+#include <memory>
 
 #include "base/check.h"
+#include "streamer/world_format/leaf_boxes.h"
+#include "streamer/world_format/look_code.h"
 #include "streamer/world_format/page_view.h"
+#include "streamer/world_format/range_coder.h"
+#include "streamer/world_format/tree_code.h"
 
 namespace zc {
 namespace {
-
-template <class T>
-std::byte* put(std::byte* out, const std::vector<T>& values) {
-  const std::size_t bytes = values.size() * sizeof(T);
-  if (bytes > 0) std::memcpy(out, values.data(), bytes);
-  return out + bytes;
-}
-
-template <class T>
-const std::byte* take(const std::byte* in, std::size_t count, std::vector<T>& values) {
-  values.resize(count);
-  std::memcpy(values.data(), in, count * sizeof(T));
-  return in + count * sizeof(T);
-}
 
 BvhFileHeader header_of(const BvhFile& bvh) {
   const ZoneAppearance& look = bvh.appearance;
   BvhFileHeader header;
   header.flags = (bvh.split ? gpu::kPageSplitTriangles : 0) | look.page_flags();
-  header.node_count = static_cast<std::uint32_t>(bvh.nodes.size());
-  header.reference_count = static_cast<std::uint32_t>(bvh.order.size());
-  header.cluster_count = static_cast<std::uint32_t>(bvh.clusters.size());
-  header.depth = bvh.depth;
-  header.triangle_count = static_cast<std::uint32_t>(std::max(look.look_of.size(), look.light.size()));
   header.look_count = static_cast<std::uint32_t>(look.looks.size());
   header.curved_count = static_cast<std::uint32_t>(look.curved.size());
   header.atlas_size = look.atlas_size;
@@ -41,35 +28,111 @@ BvhFileHeader header_of(const BvhFile& bvh) {
   return header;
 }
 
-// Of a header whose counts are in range.
-std::uint64_t file_bytes(const BvhFileHeader& h) {
-  std::uint64_t bytes = sizeof(BvhFileHeader) + sizeof(gpu::PageNode) * std::uint64_t{h.node_count} +
-                        sizeof(std::uint32_t) * (std::uint64_t{h.reference_count} + h.cluster_count);
-  if ((h.flags & gpu::kPageLooks) != 0)
-    bytes += sizeof(gpu::Look) * std::uint64_t{h.look_count} + (std::uint64_t{h.triangle_count} + 1) / 2 * 4;
-  if ((h.flags & gpu::kPageLight) != 0) bytes += sizeof(gpu::TriangleLight) * std::uint64_t{h.triangle_count};
-  bytes += (sizeof(std::uint32_t) + sizeof(gpu::TriangleNormals)) * std::uint64_t{h.curved_count};
-  if (h.atlas_size != 0) bytes += sizeof(std::uint32_t) * std::uint64_t{AtlasShape::unpack(h.atlas_size).words()};
-  return bytes;
+// By first use; those of no triangle go.
+void number_looks(ZoneAppearance& look) {
+  std::vector<std::uint32_t> number(look.looks.size(), UINT32_MAX);
+  std::vector<gpu::Look> used;
+  for (std::uint16_t& of : look.look_of) {
+    if (number[of] == UINT32_MAX) {
+      number[of] = static_cast<std::uint32_t>(used.size());
+      used.push_back(look.looks[of]);
+    }
+    of = static_cast<std::uint16_t>(number[of]);
+  }
+  look.looks = std::move(used);
+}
+
+template <class Coder>
+void code_trims(Coder& coder, std::vector<LeafTrim>& trims) {
+  std::array<Symbol<6>, 6> models;
+  for (LeafTrim& trim : trims)
+    for (std::size_t side = 0; side < trim.size(); ++side) {
+      std::uint32_t value = trim[side];
+      models[side].code(coder, value);
+      trim[side] = static_cast<std::uint8_t>(value);
+    }
+}
+
+// The part of the file that is coded, behind the tree and the trims.
+template <class Coder>
+const char* code_looks(Coder& coder, ZoneMesh& mesh, const BvhFileHeader& header, ZoneAppearance& look,
+                       const std::function<void(std::uint64_t BvhFileParts::*)>& done) {
+  const auto code = std::make_unique<LookCode<Coder>>(coder, mesh, header, look);
+  if ((header.flags & gpu::kPageLooks) != 0) {
+    if (const char* fault = code->looks()) return fault;
+    mesh.materials.resize(look.look_of.size());
+    for (std::size_t t = 0; t < look.look_of.size(); ++t)
+      mesh.materials[t] = static_cast<std::uint16_t>(look.looks[look.look_of[t]].material);
+    done(&BvhFileParts::looks);
+  } else {
+    code->materials(mesh.materials);
+    done(&BvhFileParts::materials);
+  }
+  if ((header.flags & gpu::kPageLight) != 0) code->light();
+  done(&BvhFileParts::light);
+  if ((header.flags & gpu::kPageNormals) != 0)
+    if (const char* fault = code->normals()) return fault;
+  done(&BvhFileParts::normals);
+  return nullptr;
+}
+
+// Nothing takes more memory than the record says, which is what has been reserved.
+const char* check_header(const BvhFileHeader& header, const NodeRecord& node) {
+  if ((header.flags & ~gpu::kPageFlags) != 0) return "unknown flags";
+  const auto counts = [&](std::uint32_t flag, std::uint32_t count, std::size_t most) {
+    return (header.flags & flag) != 0 ? count > 0 && count <= most : count == 0;
+  };
+  const std::size_t looks_most = std::min<std::size_t>(node.look_bytes / sizeof(gpu::Look), kZoneLooksMax);
+  if (!counts(gpu::kPageLooks, header.look_count, std::min<std::size_t>(looks_most, node.triangle_count)))
+    return "look count out of range";
+  const std::size_t curved_most = node.normal_bytes / sizeof(gpu::TriangleNormals);
+  if (!counts(gpu::kPageNormals, header.curved_count, std::min<std::size_t>(curved_most, node.triangle_count)))
+    return "number of curved triangles out of range";
+  if (((header.flags & gpu::kPageLight) != 0) != (node.light_bytes > 0)) return "light that the index does not know";
+  const AtlasShape atlas = AtlasShape::unpack(header.atlas_size);
+  if (header.atlas_size != 0 && ((header.flags & gpu::kPageLooks) == 0 || !atlas.valid() ||
+                                 sizeof(std::uint32_t) * atlas.words() != node.texture_bytes))
+    return "atlas size out of range";
+  return nullptr;
 }
 
 }  // namespace
 
-std::vector<std::byte> encode_bvh_file(const BvhFile& bvh) {
-  ZC_CHECK(bvh.nodes.size() <= gpu::kPageMaxNodes && bvh.order.size() <= gpu::kPageMaxTriangles);
-  const ZoneAppearance& look = bvh.appearance;
-  const BvhFileHeader header = header_of(bvh);
-  std::vector<std::byte> out(file_bytes(header));
-  std::memcpy(out.data(), &header, sizeof header);
-  std::byte* at = put(put(put(out.data() + sizeof header, bvh.nodes), bvh.order), bvh.clusters);
-  at = put(put(at, look.looks), look.look_of);
-  at += look.look_of.size() % 2 * sizeof(std::uint16_t);
-  at = put(put(put(put(at, look.light), look.curved), look.normals), look.atlas);
-  ZC_CHECK(at == out.data() + out.size());
+EncodedBvh encode_bvh_file(const BvhFile& bvh, const ZoneMesh& mesh, const NodeRecord& node) {
+  ZC_CHECK(bvh.nodes.size() == node.bvh_node_count && bvh.order.size() == node.reference_count &&
+           bvh.depth == node.bvh_depth && bvh.trims.size() == count_leaves(leaves_with_pieces(bvh)));
+  EncodedBvh out;
+  ZoneAppearance look = bvh.appearance;
+  number_looks(look);
+  BvhFileHeader header = header_of(bvh);
+  header.look_count = static_cast<std::uint32_t>(look.looks.size());
+  Encoder coder;
+  std::uint64_t before = 0;
+  const auto done = [&](std::uint64_t BvhFileParts::*part) {
+    out.parts.*part += coder.size() - before;
+    before = coder.size();
+  };
+  const auto tree = std::make_unique<TreeCode<Encoder>>(coder, mesh, node, bvh.split, &bvh);
+  ZC_CHECK(tree->run() == nullptr);
+  std::vector<LeafTrim> trims = bvh.trims;
+  code_trims(coder, trims);
+  done(&BvhFileParts::tree);
+  ZoneMesh copy = mesh;  // written to as well: one function for both directions
+  ZC_CHECK(mesh.materials.size() == mesh.triangles.size() && code_looks(coder, copy, header, look, done) == nullptr);
+  const std::vector<std::byte> coded = coder.finish();
+  out.parts.tree += sizeof header + coded.size() - before;
+  out.parts.texture = sizeof(std::uint32_t) * look.atlas.size();
+
+  out.bytes.resize(sizeof header + coded.size() + out.parts.texture);
+  std::memcpy(out.bytes.data(), &header, sizeof header);
+  std::ranges::copy(coded, out.bytes.begin() + sizeof header);
+  if (!look.atlas.empty())
+    std::memcpy(out.bytes.data() + sizeof header + coded.size(), look.atlas.data(), out.parts.texture);
   return out;
 }
 
-Result<BvhFile> decode_bvh_file(std::span<const std::byte> bytes, const std::string& path) {
+Result<BvhFile> decode_bvh_file(std::span<const std::byte> bytes, ZoneMesh& mesh, const NodeRecord& node,
+                                const std::string& path) {
   const auto fault = [&](const char* cause, std::size_t at) {
     return Error{ErrorCode::kFormat, cause, path, static_cast<std::int64_t>(at)};
   };
@@ -77,55 +140,34 @@ Result<BvhFile> decode_bvh_file(std::span<const std::byte> bytes, const std::str
   if (bytes.size() < sizeof header) return fault("too short for a BVH file", bytes.size());
   std::memcpy(&header, bytes.data(), sizeof header);
   if (header.magic != BvhFileHeader{}.magic) return fault("not a zonecast BVH file of this version", 0);
-  if ((header.flags & ~gpu::kPageFlags) != 0) return fault("unknown flags", offsetof(BvhFileHeader, flags));
-  if (header.node_count == 0 || header.node_count > gpu::kPageMaxNodes)
-    return fault("node count out of range", offsetof(BvhFileHeader, node_count));
-  if (header.reference_count == 0 || header.reference_count > gpu::kPageMaxTriangles)
-    return fault("reference count out of range", offsetof(BvhFileHeader, reference_count));
-  if (header.cluster_count == 0 || header.cluster_count > header.reference_count)
-    return fault("cluster count out of range", offsetof(BvhFileHeader, cluster_count));
-  if (header.depth == 0 || header.depth > gpu::kPageMaxDepth)
-    return fault("depth out of range", offsetof(BvhFileHeader, depth));
-  const bool looks = (header.flags & gpu::kPageLooks) != 0;
-  const bool light = (header.flags & gpu::kPageLight) != 0;
-  if (looks || light ? header.triangle_count == 0 || header.triangle_count > header.reference_count
-                     : header.triangle_count != 0)
-    return fault("triangle count out of range", offsetof(BvhFileHeader, triangle_count));
-  if (looks ? header.look_count == 0 || header.look_count > kZoneLooksMax : header.look_count != 0)
-    return fault("look count out of range", offsetof(BvhFileHeader, look_count));
-  if ((header.flags & gpu::kPageNormals) != 0 ? header.curved_count == 0 || header.curved_count > header.reference_count
-                                              : header.curved_count != 0)
-    return fault("number of curved triangles out of range", offsetof(BvhFileHeader, curved_count));
-  const AtlasShape atlas = AtlasShape::unpack(header.atlas_size);
-  if (header.atlas_size != 0 && (!looks || !atlas.valid()))
-    return fault("atlas size out of range", offsetof(BvhFileHeader, atlas_size));
-  if (bytes.size() != file_bytes(header)) return fault("size does not follow from its counts", bytes.size());
+  if (mesh.triangles.empty() || mesh.triangles.size() != node.triangle_count)
+    return fault("mesh and index disagree on the number of triangles", 0);
+  if (const char* cause = check_header(header, node)) return fault(cause, offsetof(BvhFileHeader, flags));
+  const std::size_t atlas_words = header.atlas_size == 0 ? 0 : AtlasShape::unpack(header.atlas_size).words();
+  if (bytes.size() - sizeof header < sizeof(std::uint32_t) * atlas_words)
+    return fault("too short for its atlas", bytes.size());
 
+  Decoder coder(bytes.subspan(sizeof header, bytes.size() - sizeof header - sizeof(std::uint32_t) * atlas_words));
   BvhFile bvh;
-  bvh.split = (header.flags & gpu::kPageSplitTriangles) != 0;
-  bvh.depth = header.depth;
-  const std::byte* at = take(bytes.data() + sizeof header, header.node_count, bvh.nodes);
-  at = take(at, header.reference_count, bvh.order);
-  at = take(at, header.cluster_count, bvh.clusters);
-  for (std::size_t i = 0; i < bvh.clusters.size(); ++i) {
-    const bool in_place = i == 0 ? bvh.clusters[i] == 0 : bvh.clusters[i] > bvh.clusters[i - 1];
-    if (!in_place || bvh.clusters[i] >= header.reference_count)
-      return fault("the clusters are not in order",
-                   static_cast<std::size_t>(at - bytes.data()) - 4 * (bvh.clusters.size() - i));
+  {
+    const bool split = (header.flags & gpu::kPageSplitTriangles) != 0;
+    const auto tree = std::make_unique<TreeCode<Decoder>>(coder, mesh, node, split, nullptr);
+    if (const char* cause = tree->run()) return fault(cause, sizeof header);
+    bvh = std::move(*tree).take();
   }
+  bvh.trims.resize(count_leaves(leaves_with_pieces(bvh)));
+  code_trims(coder, bvh.trims);
+  ZC_TRY(fit_boxes(bvh, mesh, node, path));
   ZoneAppearance& look = bvh.appearance;
-  if (looks) {
-    at = take(at, header.look_count, look.looks);
-    at = take(at, header.triangle_count, look.look_of);
-    at += look.look_of.size() % 2 * sizeof(std::uint16_t);
-  }
-  if (light) at = take(at, header.triangle_count, look.light);
-  at = take(at, header.curved_count, look.curved);
-  at = take(at, header.curved_count, look.normals);
-  if (header.atlas_size != 0) {
+  if (const char* cause = code_looks(coder, mesh, header, look, [](std::uint64_t BvhFileParts::*) {}))
+    return fault(cause, sizeof header);
+  if (!coder.at_end()) return fault("its coded part is longer or shorter than what it says", bytes.size());
+  if (atlas_words > 0) {
     look.atlas_size = header.atlas_size;
     look.texels_per_step = header.texels_per_step;
-    take(at, atlas.words(), look.atlas);
+    look.atlas.resize(atlas_words);
+    std::memcpy(look.atlas.data(), bytes.data() + bytes.size() - sizeof(std::uint32_t) * atlas_words,
+                sizeof(std::uint32_t) * atlas_words);
   }
   return bvh;
 }

@@ -2,16 +2,13 @@
 // `.zbvh`: the BVH of one node, built on its decoded Draco mesh, which of that mesh's triangles its leaves hold and how
 // they look; and the page that both make.
 //
-//   BvhFileHeader | gpu::PageNode × node_count | u32 × reference_count (page position -> decoded triangle)
-//                 | u32 × cluster_count (each cluster's first position)
-//                 | gpu::Look × look_count, u16 × triangle_count (decoded triangle -> look), padding to 4 bytes
-//                 | gpu::TriangleLight × triangle_count
-//                 | u32 × curved_count (decoded triangles, ascending), gpu::TriangleNormals × curved_count
+//   BvhFileHeader | range-coded: tree (tree_code.h), trims, materials or looks, light, normals (look_code.h)
 //                 | u32 × atlas words
 //
-// From the looks on, a part is there only where the flags say so.
-// In the file a node's child_offset is the number of its first child node, triangle_offset the position of the first
-// triangle of its leaves and cluster_offset the number of their cluster, each 0 where there is none.
+// Looks, light, normals and atlas are there only where the flags say so. Boxes are not in the file (leaf_boxes.h), nor
+// is what the index's record says: counts and depth. Decoded, a node's child_offset is the number of its first child
+// node, triangle_offset the position of the first triangle of its leaves and cluster_offset the number of their
+// cluster, each 0 where there is none.
 //
 // Untrusted input. Thread-safe: plain values.
 #pragma once
@@ -30,20 +27,14 @@
 namespace zc {
 
 struct BvhFileHeader {
-  std::array<char, 4> magic = {'Z', 'B', 'V', '3'};
+  std::array<char, 4> magic = {'Z', 'B', 'V', '4'};
   std::uint32_t flags = 0;  // as in gpu::PageHeader
-  std::uint32_t node_count = 0;
-  std::uint32_t reference_count = 0;
-  std::uint32_t cluster_count = 0;
-  std::uint32_t depth = 0;
-  std::uint32_t triangle_count = 0;
   std::uint32_t look_count = 0;
   std::uint32_t curved_count = 0;
   std::uint32_t atlas_size = 0;  // as in gpu::PageHeader; 0: none
   float texels_per_step = 0;
-  std::uint32_t reserved = 0;
 };
-static_assert(sizeof(BvhFileHeader) == 48);
+static_assert(sizeof(BvhFileHeader) == 24);
 
 inline constexpr std::uint32_t kZoneLooksMax = 65'536;
 
@@ -64,27 +55,50 @@ struct ZoneAppearance {
   }
 };
 
+// How far the box of a leaf with pieces of split triangles ends inside the box of these triangles, in 64ths of its
+// extent: x, y and z from below, then from above.
+using LeafTrim = std::array<std::uint8_t, 6>;
+inline constexpr std::uint32_t kLeafTrimParts = 64;
+
 struct BvhFile {
   bool split = false;  // some triangles are in several leaves
   std::uint32_t depth = 0;
   std::vector<gpu::PageNode> nodes;     // node 0 is the root; children lie behind their parents
   std::vector<std::uint32_t> order;     // by position; with spatial splits a triangle may come several times
   std::vector<std::uint32_t> clusters;  // ascending from 0
+  std::vector<LeafTrim> trims;          // by node and slot
   ZoneAppearance appearance;
 };
 
-std::vector<std::byte> encode_bvh_file(const BvhFile& bvh);
-Result<BvhFile> decode_bvh_file(std::span<const std::byte> bytes, const std::string& path);
-
-// A node's mesh as its .glb stores it: 16-bit lattice offsets, one material per triangle.
+// A node's mesh: 16-bit lattice offsets from the .glb, one material per triangle from the .zbvh.
 struct ZoneMesh {
   std::vector<std::array<std::uint16_t, 3>> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint16_t> materials;  // per triangle, index into WorldIndex::materials
 };
 
-// Decodes the geometry of a zone .glb (KHR_draco_mesh_compression, u16 POSITION; each primitive's material index is
-// `extras.zonecast_material` of its glTF material). The triangle order is primitives in order, Draco order within.
+// Bytes of a `.zbvh` by component; the coded ones to about a byte.
+struct BvhFileParts {
+  std::uint64_t tree = 0;       // with the trims and the header
+  std::uint64_t materials = 0;  // where there are no looks
+  std::uint64_t looks = 0;
+  std::uint64_t light = 0;
+  std::uint64_t normals = 0;
+  std::uint64_t texture = 0;
+};
+struct EncodedBvh {
+  std::vector<std::byte> bytes;
+  BvhFileParts parts;
+};
+
+// `mesh` is what decode_zone_glb gives, with materials for the encoder; the decoder gives it those. `node` has the
+// tree's counts and depth. Nodes and looks may come back in another order, the triangles of a leaf do so in the mesh's.
+EncodedBvh encode_bvh_file(const BvhFile& bvh, const ZoneMesh& mesh, const NodeRecord& node);
+Result<BvhFile> decode_bvh_file(std::span<const std::byte> bytes, ZoneMesh& mesh, const NodeRecord& node,
+                                const std::string& path);
+
+// Decodes the geometry of a zone .glb (KHR_draco_mesh_compression, u16 POSITION). The triangle order is primitives in
+// order, Draco order within. Materials are left empty.
 // Fails on anything malformed, never reads out of bounds. Checks counts against `node` before it takes memory.
 Result<ZoneMesh> decode_zone_glb(std::span<const std::byte> bytes, const NodeRecord& node, const std::string& path);
 

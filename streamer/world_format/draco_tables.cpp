@@ -9,6 +9,8 @@ namespace {
 constexpr std::size_t kHeaderBytes = 11;
 constexpr unsigned kMaxBits = 18;
 constexpr int kValenceContexts = 6;
+constexpr int kCreaseContexts = 4;
+constexpr unsigned kMaxAttributes = 2;
 constexpr std::uint64_t kTaggedTableBytes = (4U << 12U) + 12 * 32;
 
 // Every read after the end fails for good, and says so at the end.
@@ -75,11 +77,11 @@ std::uint64_t skip_symbols(Scan& scan) {
 std::uint64_t skip_edgebreaker(Scan& scan) {
   std::uint64_t most = 0;
   const std::uint8_t traversal = scan.byte();
-  scan.varint();                      // vertices
-  scan.varint();                      // faces
-  if (scan.byte() != 0) scan.fail();  // attributes with a connectivity of their own
-  scan.varint();                      // symbols
-  scan.varint();                      // split symbols
+  scan.varint();                           // vertices
+  scan.varint();                           // faces
+  const std::uint8_t seams = scan.byte();  // attributes with a connectivity of their own
+  scan.varint();                           // symbols
+  scan.varint();                           // split symbols
   const std::uint64_t splits = scan.varint();
   for (std::uint64_t s = 0; s < splits && !scan.failed(); ++s) {
     scan.varint();
@@ -90,8 +92,10 @@ std::uint64_t skip_edgebreaker(Scan& scan) {
     scan.skip(scan.varint());  // the symbols, one bit stream
   else if (traversal != 2)
     scan.fail();
-  scan.byte();  // start faces: probability, length, bits
-  scan.skip(scan.varint());
+  for (unsigned i = 0; i <= seams && !scan.failed(); ++i) {  // start faces, then seams: probability, length, bits
+    scan.byte();
+    scan.skip(scan.varint());
+  }
   if (traversal == 2)
     for (int context = 0; context < kValenceContexts && !scan.failed(); ++context)
       if (scan.varint() > 0) most = std::max(most, skip_symbols(scan));
@@ -114,6 +118,45 @@ std::uint64_t skip_sequential(Scan& scan) {
   return 0;
 }
 
+// What a prediction scheme keeps behind the values.
+void skip_prediction(Scan& scan, std::uint8_t method) {
+  constexpr std::uint8_t kDifference = 0;
+  constexpr std::uint8_t kParallelogram = 1;
+  constexpr std::uint8_t kConstrainedMultiParallelogram = 4;
+  if (method == 0xFE) return;  // none
+  if (method == kConstrainedMultiParallelogram) {
+    for (int context = 0; context < kCreaseContexts && !scan.failed(); ++context)
+      if (scan.varint() > 0) {
+        scan.byte();
+        scan.skip(scan.varint());
+      }
+  } else if (method != kDifference && method != kParallelogram) {
+    scan.fail();
+  }
+  scan.skip(8);  // bounds of the wrapped values
+}
+
+// One attribute's values; the last one's are not skipped.
+std::uint64_t scan_values(Scan& scan, bool is_last) {
+  const std::uint8_t method = scan.byte();
+  if (method != 0xFE && scan.byte() != 1 && !is_last) scan.fail();  // the transform that wraps
+  if (scan.byte() == 0) {                                           // plain integers
+    if (!is_last) scan.fail();
+    return 0;
+  }
+  if (!is_last) {
+    const std::uint64_t bytes = skip_symbols(scan);
+    skip_prediction(scan, method);
+    return bytes;
+  }
+  const std::uint8_t scheme = scan.byte();
+  std::uint64_t symbols = 0;
+  if (scheme == 0) return kTaggedTableBytes;
+  if (scheme == 1) return raw_tables(scan, symbols);
+  scan.fail();
+  return 0;
+}
+
 }  // namespace
 
 std::uint64_t rans_table_bytes(unsigned bits, std::uint64_t symbols) {
@@ -126,30 +169,23 @@ std::optional<std::uint64_t> draco_table_bytes(std::span<const std::byte> stream
   Scan scan(stream.subspan(kHeaderBytes));
   std::uint64_t most = edgebreaker ? skip_edgebreaker(scan) : skip_sequential(scan);
 
-  if (scan.byte() != 1) scan.fail();  // attribute decoders
-  if (edgebreaker) {
-    scan.byte();  // attribute data
-    scan.byte();  // decoder
-    scan.byte();  // traversal
+  const unsigned decoders = scan.byte();
+  if (decoders == 0 || decoders > kMaxAttributes) scan.fail();
+  if (edgebreaker) scan.skip(3 * decoders);  // attribute data, decoder and traversal
+  unsigned attributes = 0;
+  for (unsigned d = 0; d < decoders && !scan.failed(); ++d) {
+    const std::uint64_t count = scan.varint();
+    attributes += static_cast<unsigned>(std::min<std::uint64_t>(count, kMaxAttributes + 1));
+    if (count == 0 || attributes > kMaxAttributes) scan.fail();
+    for (std::uint64_t a = 0; a < count && !scan.failed(); ++a) {
+      scan.skip(4);   // kind, type, components, normalised
+      scan.varint();  // unique id
+    }
+    for (std::uint64_t a = 0; a < count && !scan.failed(); ++a)
+      if (scan.byte() != 1) scan.fail();  // integers
   }
-  if (scan.varint() != 1) scan.fail();      // attributes
-  for (int i = 0; i < 4; ++i) scan.byte();  // kind, type, components, normalised
-  scan.varint();                            // unique id
-  if (scan.byte() != 1) scan.fail();        // integers
-  const std::uint8_t prediction = scan.byte();
-  if (prediction != 0xFE) scan.byte();  // with a transform, unless there is none
-  if (scan.byte() == 0) {
-    scan.byte();  // plain integers
-  } else {
-    const std::uint8_t scheme = scan.byte();
-    std::uint64_t symbols = 0;
-    if (scheme == 0)
-      most = std::max(most, kTaggedTableBytes);
-    else if (scheme == 1)
-      most = std::max(most, raw_tables(scan, symbols));
-    else
-      scan.fail();
-  }
+  for (unsigned a = 0; a < attributes && !scan.failed(); ++a)
+    most = std::max(most, scan_values(scan, a + 1 == attributes));
   if (scan.failed()) return std::nullopt;
   return most;
 }

@@ -12,8 +12,8 @@
 
 namespace zc {
 
-// Bytes of the largest decoder's tables in a mesh stream with one attribute; nothing when the stream is damaged or of a
-// kind that this does not follow.
+// Bytes of the largest decoder's tables in a mesh stream with one or two attributes; nothing when the stream is damaged
+// or of a kind that this does not follow. Only the last attribute's values may be tagged: those have no length.
 std::optional<std::uint64_t> draco_table_bytes(std::span<const std::byte> stream);
 
 // Tables for symbols of `bits` bits, `symbols` of them.

@@ -96,10 +96,10 @@ Status check_counts(const NodeRecord& node, const Fault& fault) {
   if (node.bvh_depth == 0 || node.bvh_depth > gpu::kPageMaxDepth) return fault("BVH depth out of range");
   const std::uint64_t looks =
       std::uint64_t{node.look_bytes} + node.light_bytes + node.normal_bytes + node.texture_bytes;
-  const std::uint64_t bvh_least = sizeof(BvhFileHeader) + std::uint64_t{sizeof(gpu::PageNode)} * node.bvh_node_count +
-                                  sizeof(std::uint32_t) * (std::uint64_t{node.reference_count} + 1) +
-                                  node.texture_bytes;
-  const std::uint64_t bvh_most = bvh_least + sizeof(std::uint32_t) * std::uint64_t{node.reference_count} +
+  // A tree that is coded so badly that it takes more would be no use to anybody.
+  const std::uint64_t bvh_least = sizeof(BvhFileHeader) + std::uint64_t{node.texture_bytes};
+  const std::uint64_t bvh_most = bvh_least + std::uint64_t{sizeof(gpu::PageNode)} * node.bvh_node_count +
+                                 2 * sizeof(std::uint32_t) * std::uint64_t{node.reference_count} +
                                  (looks > 0 ? kLookFileBytesMost + kLookFileBytesPerTriangle * node.triangle_count : 0);
   if (node.bvh_bytes < bvh_least || node.bvh_bytes > bvh_most || node.texture_bytes > kTextureBytesMost)
     return fault("BVH file size does not follow from its counts");

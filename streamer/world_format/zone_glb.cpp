@@ -28,12 +28,18 @@ constexpr std::uint64_t kUnsignedShort = 5123;
 // What decoding takes, measured with draco 1.5.5 and nlohmann 3.11 (bytes), with room to spare: connectivity and values
 // by triangle and vertex, and the tables of the rANS decoders, which the streams themselves name (draco_tables.h).
 constexpr std::uint64_t kScratchFixed = 64 << 10U;
-constexpr std::uint64_t kScratchPerTriangle = 200;
-constexpr std::uint64_t kScratchPerVertex = 16;
+constexpr std::uint64_t kScratchPerTriangle = 100;
+constexpr std::uint64_t kScratchPerVertex = 56;
 // Held from the first primitive to the page: the mesh and what assembling takes. The BVH file comes on top.
 constexpr std::uint64_t kHeldPerTriangle = 32;
 constexpr std::uint64_t kHeldPerVertex = 16;
 constexpr std::uint64_t kHeldPerSplitTriangle = 28;  // its pieces' box
+// The decoded BVH file: nodes and the boxes below them, the order and the lists on the way to it.
+constexpr std::uint64_t kTreePerNode = sizeof(gpu::PageNode) + 24;
+constexpr std::uint64_t kTreePerReference = 3 * sizeof(std::uint32_t) + 1;  // later, with trims, fewer
+constexpr std::uint64_t kLightPerVertex = 6 * sizeof(std::uint32_t);
+constexpr std::uint64_t kNormalsPerTriangle = sizeof(std::uint32_t) + sizeof(gpu::TriangleNormals);
+constexpr std::uint64_t kNormalsPerVertex = 2 * sizeof(std::uint16_t);
 constexpr std::uint64_t kScratchPerJsonByte = 24;
 constexpr std::uint64_t kSymbolsMost = (1 << 16U) + 1;
 constexpr std::uint64_t kJsonMaxBytes = 1 << 20U;
@@ -59,8 +65,8 @@ std::uint32_t clamp_bytes(std::uint64_t bytes) {
 // The JSON tree is gone before draco starts, and each stream's decoder before the next.
 std::uint32_t scratch(std::uint64_t json_bytes, std::uint64_t largest_stream, const NodeRecord& node) {
   const std::uint64_t json = kScratchPerJsonByte * std::min(json_bytes, kJsonMaxBytes);
-  const std::uint64_t held = kHeldPerTriangle * node.triangle_count + kHeldPerVertex * node.vertex_count +
-                             bvh_scratch_bytes(node);
+  const std::uint64_t held =
+      kHeldPerTriangle * node.triangle_count + kHeldPerVertex * node.vertex_count + bvh_scratch_bytes(node);
   return clamp_bytes(kScratchFixed + std::max(json, largest_stream) + held);
 }
 
@@ -72,7 +78,6 @@ struct Chunks {
 struct Primitive {
   std::uint32_t draco_attribute = 0;
   std::uint64_t vertex_count = 0;
-  std::uint16_t material = 0;
   std::span<const std::byte> draco;
 };
 
@@ -94,14 +99,13 @@ class ZoneGlb {
   Result<ZoneMesh> decode() {
     ZC_ASSIGN(const Chunks chunks, split());
     ZC_ASSIGN(const std::vector<Primitive> primitives, read_json(chunks));
-    if (scratch_of(chunks, primitives) > allowed_) return fault("decoding takes more memory than the index says");
+    ZC_ASSIGN(const std::uint32_t needed, scratch_of(chunks, primitives));
+    if (needed > allowed_) return fault("decoding takes more memory than the index says");
     ZoneMesh mesh;
     mesh.vertices.reserve(node_.vertex_count);
     mesh.triangles.reserve(node_.triangle_count);
-    mesh.materials.reserve(node_.triangle_count);
     for (const Primitive& primitive : primitives) ZC_TRY(append(primitive, mesh));
-    if (mesh.triangles.size() != node_.triangle_count || mesh.vertices.size() != node_.vertex_count)
-      return fault("has fewer triangles or vertices than the index says");
+    if (mesh.triangles.size() != node_.triangle_count) return fault("has fewer triangles than the index says");
     return mesh;
   }
 
@@ -110,15 +114,15 @@ class ZoneGlb {
     return {ErrorCode::kFormat, std::move(cause), path_, at};
   }
 
-  [[nodiscard]] std::uint32_t scratch_of(const Chunks& chunks, const std::vector<Primitive>& primitives) const {
+  [[nodiscard]] Result<std::uint32_t> scratch_of(const Chunks& chunks, const std::vector<Primitive>& primitives) const {
     std::uint64_t largest = 0;
     for (const Primitive& primitive : primitives) {
       const auto counts = read_draco_counts(primitive);
       const std::uint64_t triangles =
           counts.ok() ? std::min<std::uint64_t>(counts->faces, node_.triangle_count) : node_.triangle_count;
-      const std::uint64_t tables =
-          draco_table_bytes(primitive.draco).value_or(table_bound(primitive.vertex_count, primitive.draco.size()));
-      largest = std::max(largest, stream_scratch(triangles, primitive.vertex_count, primitive.draco.size(), tables));
+      const std::optional<std::uint64_t> tables = draco_table_bytes(primitive.draco);
+      if (!tables) return fault("Draco stream is damaged or of a kind that zones do not have");
+      largest = std::max(largest, stream_scratch(triangles, primitive.vertex_count, primitive.draco.size(), *tables));
     }
     return scratch(chunks.json.size(), largest, node_);
   }
@@ -210,12 +214,7 @@ class ZoneGlb {
     if (count_of(member(view, "buffer")) != 0U || !length || offset > bin.size() || *length > bin.size() - offset)
       return fault("a buffer view leaves the binary chunk", 20);
 
-    const Json* material = element(member(&root, "materials"), count_of(member(&entry, "material")));
-    const std::optional<std::uint64_t> world_material =
-        count_of(member(member(material, "extras"), "zonecast_material"));
-    if (!world_material || *world_material > 0xFFFF) return fault("a primitive has no zonecast material", 20);
-    return Primitive{static_cast<std::uint32_t>(*attribute), *vertices, static_cast<std::uint16_t>(*world_material),
-                     bin.subspan(offset, *length)};
+    return Primitive{static_cast<std::uint32_t>(*attribute), *vertices, bin.subspan(offset, *length)};
   }
 
   // Draco takes memory as its own header asks, so that is read first: (Draco bitstream 2.2, sections "ParseHeader",
@@ -276,20 +275,24 @@ class ZoneGlb {
     if (position == nullptr || position->data_type() != draco::DT_UINT16 || position->num_components() != 3 ||
         position->byte_stride() != 6 || position->buffer() == nullptr)
       return fault("Draco stream has no 16-bit POSITION");
+    // Values, not points: those are split where colours meet.
     const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (draco::PointIndex p(0); p < source.num_points(); ++p) {
-      const draco::AttributeValueIndex value = position->mapped_index(p);
-      if (value.value() >= position->size()) return fault("Draco stream refers to a missing value");
+    if (position->size() > primitive.vertex_count) return fault("Draco stream has more positions than points");
+    for (draco::AttributeValueIndex v(0); v < static_cast<std::uint32_t>(position->size()); ++v) {
       std::array<std::uint16_t, 3> vertex = {};
-      position->GetValue(value, vertex.data());
+      position->GetValue(v, vertex.data());
       mesh.vertices.push_back(vertex);
     }
     for (draco::FaceIndex f(0); f < source.num_faces(); ++f) {
-      const draco::Mesh::Face& face = source.face(f);
-      for (std::size_t k = 0; k < 3; ++k)
-        if (face[k].value() >= source.num_points()) return fault("Draco stream refers to a missing vertex");
-      mesh.triangles.push_back({base + face[0].value(), base + face[1].value(), base + face[2].value()});
-      mesh.materials.push_back(primitive.material);
+      std::array<std::uint32_t, 3> triangle{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const draco::PointIndex point = source.face(f)[k];
+        if (point.value() >= source.num_points()) return fault("Draco stream refers to a missing vertex");
+        const draco::AttributeValueIndex value = position->mapped_index(point);
+        if (value.value() >= position->size()) return fault("Draco stream refers to a missing value");
+        triangle[k] = base + value.value();
+      }
+      mesh.triangles.push_back(triangle);
     }
     return {};
   }
@@ -303,16 +306,20 @@ class ZoneGlb {
 }  // namespace
 
 std::uint32_t bvh_scratch_bytes(const NodeRecord& node) {
-  const bool split = node.reference_count > node.triangle_count;
-  return clamp_bytes(std::min<std::uint64_t>(node.bvh_bytes, 1ULL << 32U) +
-                     (split ? kHeldPerSplitTriangle * node.triangle_count : 0));
+  const std::uint64_t triangles = node.triangle_count;
+  std::uint64_t bytes = kTreePerNode * node.bvh_node_count + kTreePerReference * node.reference_count;
+  if (node.reference_count > node.triangle_count) bytes += kHeldPerSplitTriangle * triangles;
+  if (node.look_bytes > 0) bytes += sizeof(std::uint16_t) * triangles + node.look_bytes;
+  if (node.light_bytes > 0) bytes += sizeof(gpu::TriangleLight) * triangles + kLightPerVertex * node.vertex_count;
+  if (node.normal_bytes > 0) bytes += kNormalsPerTriangle * triangles + kNormalsPerVertex * node.vertex_count;
+  return clamp_bytes(bytes + node.texture_bytes);
 }
 
 std::uint32_t decode_scratch_bound(const NodeRecord& node, std::uint64_t glb_bytes) {
-  return scratch(glb_bytes,
-                 stream_scratch(node.triangle_count, node.vertex_count, glb_bytes,
-                                table_bound(node.vertex_count, glb_bytes)),
-                 node);
+  return scratch(
+      glb_bytes,
+      stream_scratch(node.triangle_count, node.vertex_count, glb_bytes, table_bound(node.vertex_count, glb_bytes)),
+      node);
 }
 
 std::uint32_t decode_scratch_bytes(std::span<const std::byte> glb, const NodeRecord& node) {

@@ -89,6 +89,27 @@ class MainJob(support.Case):
         triangles = sum(level["triangles"] for level in proxies)
         self.assertAlmostEqual(resident["total"] * triangles, report["decoded_bytes"], delta=1)
 
+    def test_inspect_tells_what_a_proxy_triangle_takes_on_the_disk(self):
+        report = json.loads(self.zonecast("inspect", self.world, "--json"))
+        disk = report["disk_bytes_per_triangle"]
+        self.assertAlmostEqual(sum(disk.values()), 2 * disk["total"], places=6)
+        proxies = [level for level in report["levels"] if not level["detail"]]
+        triangles = sum(level["triangles"] for level in proxies)
+        index = sum(level["bytes"]["index"] for level in proxies)
+        files = [path for kind in ("glb", "zbvh") for path in self.world.glob(f"zones/*/*.{kind}")]
+        sizes = [path.stat().st_size for path in files if ".detail." not in path.name]
+        self.assertAlmostEqual(disk["total"] * triangles, sum(sizes) + index, delta=1)
+        self.assertGreater(disk["mesh"], disk["json"])
+        self.assertLess(disk["total"], 12)
+        for other in ("{}", '{"disk_bytes": [1]}', '{"disk_bytes": {"proxies": {"mesh": "much"}}}'):
+            copy = self.folder / "copy"
+            shutil.copytree(self.world, copy)
+            (copy / "bake.json").write_text(other)
+            told = json.loads(self.zonecast("inspect", copy, "--json"))["disk_bytes_per_triangle"]
+            self.assertEqual(list(told), ["glb", "zbvh", "index", "total"])
+            self.assertAlmostEqual(told["total"], disk["total"], places=6)
+            shutil.rmtree(copy)
+
     def test_inspect_holds_a_world_against_the_thesis(self):
         """Its table 4.1, as published, and the leaf proxies of ours."""
         report = json.loads(self.zonecast("inspect", self.world, "--json"))

@@ -22,7 +22,7 @@ namespace zc::test {
 struct BakedZone {
   NodeRecord record;
   std::vector<std::byte> bvh_file;
-  ZoneMesh mesh;
+  ZoneMesh mesh;  // without materials
 };
 
 struct BakedPages {

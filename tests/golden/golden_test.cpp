@@ -97,7 +97,7 @@ NodeRecord make_node() {
   node.normal_bytes = 8;
   node.texture_bytes = 16;
   node.glb_bytes = 4321;
-  node.bvh_bytes = 48 + 2 * 80 + 3 * 4 + 2 * 4 + 2 * 8 + 2 * 4 + 3 * 8 + 4 + 8 + 4 * 4;
+  node.bvh_bytes = 123;
   node.glb_xxh3 = 0x0123456789ABCDEFULL;
   node.bvh_xxh3 = 0xFEDCBA9876543210ULL;
   return node;
@@ -137,11 +137,11 @@ WorldIndex make_index() {
   return index;
 }
 
-TEST(Golden, WorldIndexVersion3) {
-  static_assert(kWorldVersion == 3, "a new version needs a new file beside world_v3.zcw");
+TEST(Golden, WorldIndexVersion4) {
+  static_assert(kWorldVersion == 4, "a new version needs a new file beside world_v4.zcw");
   const WorldIndex expected = make_index();
-  const auto bytes = golden("world_v3.zcw", encode_world_index(expected));
-  const auto index = decode_world_index(bytes, "world_v3.zcw");
+  const auto bytes = golden("world_v4.zcw", encode_world_index(expected));
+  const auto index = decode_world_index(bytes, "world_v4.zcw");
   ASSERT_TRUE(index.ok()) << index.error().describe();
   EXPECT_EQ(index->header.anchor, expected.header.anchor);
   EXPECT_EQ(index->header.bounds_min, expected.header.bounds_min);
@@ -158,18 +158,27 @@ TEST(Golden, WorldIndexVersion3) {
   EXPECT_EQ(node_file(index->nodes[3], "glb"), "zones/1/1_0.detail.glb");
 }
 
-TEST(Golden, BvhFileVersion3) {
-  static_assert(BvhFileHeader{}.magic[3] == '3', "a new version needs a new file beside bvh_v3.zbvh");
+TEST(Golden, BvhFileVersion4) {
+  static_assert(BvhFileHeader{}.magic[3] == '4', "a new version needs a new file beside bvh_v4.zbvh");
   const BvhFile expected = make_bvh();
-  const auto bytes = golden("bvh_v3.zbvh", encode_bvh_file(expected));
-  const auto bvh = decode_bvh_file(bytes, "bvh_v3.zbvh");
+  const NodeRecord node = make_node();
+  const auto bytes = golden("bvh_v4.zbvh", encode_bvh_file(expected, make_mesh(), node).bytes);
+  ZoneMesh mesh = make_mesh();
+  mesh.materials.clear();
+  const auto bvh = decode_bvh_file(bytes, mesh, node, "bvh_v4.zbvh");
   ASSERT_TRUE(bvh.ok()) << bvh.error().describe();
   EXPECT_EQ(bvh->depth, expected.depth);
   EXPECT_EQ(bvh->order, expected.order);
   ASSERT_EQ(bvh->nodes.size(), expected.nodes.size());
   EXPECT_EQ(bvh->clusters, expected.clusters);
+  EXPECT_EQ(mesh.materials, make_mesh().materials);
   EXPECT_EQ(bvh->appearance.look_of, expected.appearance.look_of);
+  EXPECT_EQ(std::memcmp(bvh->appearance.looks.data(), expected.appearance.looks.data(), 2 * sizeof(gpu::Look)), 0);
+  EXPECT_EQ(std::memcmp(bvh->appearance.light.data(), expected.appearance.light.data(), 3 * sizeof(gpu::TriangleLight)),
+            0);
   EXPECT_EQ(bvh->appearance.curved, expected.appearance.curved);
+  EXPECT_EQ(
+      std::memcmp(bvh->appearance.normals.data(), expected.appearance.normals.data(), sizeof(gpu::TriangleNormals)), 0);
   EXPECT_EQ(bvh->appearance.atlas, expected.appearance.atlas);
   EXPECT_EQ(bvh->appearance.texels_per_step, 0.0625F);
   EXPECT_EQ(std::memcmp(bvh->nodes.data(), expected.nodes.data(), expected.nodes.size() * sizeof(gpu::PageNode)), 0);

@@ -65,7 +65,7 @@ void expect_sound(const fs::path& world) {
     ASSERT_TRUE(glb.ok() && zbvh.ok()) << name;
     auto mesh = decode_zone_glb(*glb, node, name);
     ASSERT_TRUE(mesh.ok()) << mesh.error().describe();
-    auto bvh = decode_bvh_file(*zbvh, name);
+    auto bvh = decode_bvh_file(*zbvh, *mesh, node, name);
     ASSERT_TRUE(bvh.ok());
     auto page = assemble_page(*mesh, *bvh, node, index->header.material_count, name);
     ASSERT_TRUE(page.ok()) << page.error().describe();

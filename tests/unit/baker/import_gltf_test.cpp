@@ -176,6 +176,44 @@ TEST_F(Gltf, QuantisedStripsAndMissingIndicesAreRead) {
   EXPECT_EQ(noted(*scene, "without triangles"), 1U);
 }
 
+// Two triangles of one colour each, and one whose corners differ; times the material's.
+TEST_F(Gltf, VertexColoursBecomeTheTrianglesMaterials) {
+  std::string bin = floats({0, 0, 0, 0, 0, 2, 2, 0, 0, 5, 0, 0, 5, 0, 2, 7, 0, 0, 9, 0, 0, 9, 0, 2, 11, 0, 0});
+  const std::size_t colors = bin.size();
+  for (const auto& [r, g, b] : std::array<std::array<int, 3>, 9>{{{255, 0, 51},
+                                                                  {255, 0, 51},
+                                                                  {255, 0, 51},
+                                                                  {0, 102, 0},
+                                                                  {0, 102, 0},
+                                                                  {0, 102, 0},
+                                                                  {255, 0, 0},
+                                                                  {0, 255, 0},
+                                                                  {0, 0, 255}}})
+    for (const int v : {r, g, b, 255}) bin.push_back(static_cast<char>(v));
+  const std::string json =
+      R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"COLOR_0":1},"material":0}]}],)"
+      R"("materials":[{"name":"paint","pbrMetallicRoughness":{"baseColorFactor":[0.5,1,1,1],"roughnessFactor":0.25}}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":9,"type":"VEC3"},)"
+      R"({"bufferView":1,"componentType":5121,"normalized":true,"count":9,"type":"VEC4"}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":)" +
+      std::to_string(colors) + R"(},{"buffer":0,"byteOffset":)" + std::to_string(colors) +
+      R"(,"byteLength":36}],"buffers":[{"byteLength":)" + std::to_string(bin.size()) + "}]}";
+  const auto scene = import_text("colors.glb", glb(json, bin));
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  ASSERT_EQ(scene->triangles.size(), 3U);
+  const auto color = [&](std::size_t t) { return scene->materials[scene->triangle_material[t]].base_color; };
+  EXPECT_LT(glm::distance(color(0), glm::vec3(0.5F, 0, 0.2F)), 1e-5F);
+  EXPECT_LT(glm::distance(color(1), glm::vec3(0, 0.4F, 0)), 1e-5F);
+  EXPECT_LT(glm::distance(color(2), glm::vec3(0.5F / 3, 1.0F / 3, 1.0F / 3)), 0.03F);
+  EXPECT_FLOAT_EQ(scene->materials[scene->triangle_material[2]].roughness, 0.25F);
+  const std::string short_of = json.substr(0, json.find(R"("count":9,"type":"VEC4")")) + R"("count":8,"type":"VEC4")" +
+                               json.substr(json.find(R"("count":9,"type":"VEC4")") + 23);
+  const auto refused = import_text("few.glb", glb(short_of, bin));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.error().message.find("not as many colours"), std::string::npos) << refused.error().message;
+}
+
 TEST_F(Gltf, SparseAccessorsReplaceElements) {
   std::string bin = triangle_bin() + std::string(2, '\0') + shorts({1, 0}) + floats({0, 0, 8});
   std::string json = triangle_json();

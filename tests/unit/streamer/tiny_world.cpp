@@ -63,22 +63,43 @@ struct Stream {
   std::uint32_t attribute = 0;
 };
 
-Stream encode(const Part& part, bool sequential) {
+// Of four colours, in runs of triangles.
+void add_colors(draco::Mesh& mesh, std::uint32_t corners) {
+  draco::GeometryAttribute color;
+  color.Init(draco::GeometryAttribute::COLOR, nullptr, 3, draco::DT_UINT8, true, 3, 0);
+  draco::PointAttribute& values = *mesh.attribute(mesh.AddAttribute(color, false, 4));
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const std::array<std::uint8_t, 3> rgb = {static_cast<std::uint8_t>(60 * i), static_cast<std::uint8_t>(200 - 7 * i),
+                                             static_cast<std::uint8_t>(i * i)};
+    values.SetAttributeValue(draco::AttributeValueIndex(i), rgb.data());
+  }
+  for (std::uint32_t c = 0; c < corners; ++c)
+    values.SetPointMapEntry(draco::PointIndex(c), draco::AttributeValueIndex(c / 9 * 7 % 4));
+}
+
+Stream encode(const Part& part, TinyStream kind) {
+  const auto corners = static_cast<std::uint32_t>(3 * part.triangles.size());
   draco::Mesh mesh;
-  mesh.set_num_points(static_cast<std::uint32_t>(part.vertices.size()));
+  mesh.set_num_points(corners);
+  mesh.SetNumFaces(part.triangles.size());
+  for (std::uint32_t i = 0; i < part.triangles.size(); ++i)
+    mesh.SetFace(draco::FaceIndex(i),
+                 {draco::PointIndex(3 * i), draco::PointIndex(3 * i + 1), draco::PointIndex(3 * i + 2)});
+  if (kind == TinyStream::kColored) add_colors(mesh, corners);
   draco::GeometryAttribute position;
   position.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_UINT16, false, 6, 0);
-  const int attribute = mesh.AddAttribute(position, true, static_cast<std::uint32_t>(part.vertices.size()));
+  draco::PointAttribute& values =
+      *mesh.attribute(mesh.AddAttribute(position, false, static_cast<std::uint32_t>(part.vertices.size())));
   for (std::uint32_t i = 0; i < part.vertices.size(); ++i)
-    mesh.attribute(attribute)->SetAttributeValue(draco::AttributeValueIndex(i), part.vertices[i].data());
-  mesh.SetNumFaces(part.triangles.size());
-  for (std::uint32_t i = 0; i < part.triangles.size(); ++i) {
-    const auto& t = part.triangles[i];
-    mesh.SetFace(draco::FaceIndex(i), {draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])});
-  }
+    values.SetAttributeValue(draco::AttributeValueIndex(i), part.vertices[i].data());
+  for (std::uint32_t c = 0; c < corners; ++c)
+    values.SetPointMapEntry(draco::PointIndex(c), draco::AttributeValueIndex(part.triangles[c / 3][c % 3]));
+  mesh.DeduplicatePointIds();
   draco::ExpertEncoder encoder(mesh);
   encoder.SetSpeedOptions(3, 3);
-  encoder.SetEncodingMethod(sequential ? draco::MESH_SEQUENTIAL_ENCODING : draco::MESH_EDGEBREAKER_ENCODING);
+  encoder.SetEncodingMethod(kind == TinyStream::kSequential ? draco::MESH_SEQUENTIAL_ENCODING
+                                                            : draco::MESH_EDGEBREAKER_ENCODING);
+  if (kind == TinyStream::kColored) ZC_CHECK(encoder.SetAttributePredictionScheme(0, draco::PREDICTION_NONE).ok());
   draco::EncoderBuffer buffer;
   ZC_CHECK(encoder.EncodeToBuffer(&buffer).ok());
   draco::DecoderBuffer input;
@@ -107,10 +128,8 @@ std::vector<std::byte> make_glb(const std::vector<Stream>& streams) {
     const Stream& stream = streams[i];
     json["accessors"].push_back({{"componentType", 5123}, {"count", stream.points}, {"type", "VEC3"}});
     json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bin.size()}, {"byteLength", stream.bytes.size()}});
-    json["materials"].push_back({{"extras", {{"zonecast_material", i}}}});
     json["meshes"][0]["primitives"].push_back(
         {{"attributes", {{"POSITION", i}}},
-         {"material", i},
          {"extensions",
           {{"KHR_draco_mesh_compression", {{"bufferView", i}, {"attributes", {{"POSITION", stream.attribute}}}}}}}});
     bin.insert(bin.end(), stream.bytes.begin(), stream.bytes.end());
@@ -243,11 +262,11 @@ void add_files(TinyWorld& world, NodeRecord& record, TinyZone zone) {
 BvhFile build_median_bvh(const ZoneMesh& mesh, const NodeRecord& record) { return MedianBuilder(mesh, record).run(); }
 
 TinyZone make_tiny_zone(std::uint32_t grid, std::uint32_t soup, std::uint32_t extent, std::uint32_t seed,
-                        NodeRecord& record, bool sequential) {
+                        NodeRecord& record, TinyStream kind) {
   std::mt19937 random(seed);
   std::vector<Stream> streams;
-  streams.push_back(encode(make_ground(grid, extent, random), sequential));
-  if (soup > 0) streams.push_back(encode(make_soup(soup, extent, random), sequential));
+  streams.push_back(encode(make_ground(grid, extent, random), kind));
+  if (soup > 0) streams.push_back(encode(make_soup(soup, extent, random), kind));
   TinyZone zone;
   zone.glb = make_glb(streams);
   record.triangle_count = 0;
@@ -259,16 +278,17 @@ TinyZone make_tiny_zone(std::uint32_t grid, std::uint32_t soup, std::uint32_t ex
   }
   record.glb_bytes = zone.glb.size();
   record.glb_xxh3 = XXH3_64bits(zone.glb.data(), zone.glb.size());
-  const Result<ZoneMesh> mesh = decode_zone_glb(zone.glb, record, "tiny");
+  Result<ZoneMesh> mesh = decode_zone_glb(zone.glb, record, "tiny");
   if (!mesh.ok()) std::fprintf(stderr, "%s\n", mesh.error().describe().c_str());
   ZC_CHECK(mesh.ok());
+  for (std::uint16_t i = 0; i < streams.size(); ++i) mesh->materials.insert(mesh->materials.end(), streams[i].faces, i);
   const BvhFile bvh = build_median_bvh(*mesh, record);
-  zone.bvh = encode_bvh_file(bvh);
   record.bvh_node_count = static_cast<std::uint32_t>(bvh.nodes.size());
   record.bvh_depth = bvh.depth;
+  record.reference_count = static_cast<std::uint32_t>(bvh.order.size());
+  zone.bvh = encode_bvh_file(bvh, *mesh, record).bytes;
   record.bvh_bytes = zone.bvh.size();
   record.bvh_xxh3 = XXH3_64bits(zone.bvh.data(), zone.bvh.size());
-  record.reference_count = static_cast<std::uint32_t>(bvh.order.size());
   record.scratch_bytes = decode_scratch_bytes(zone.glb, record);
   const auto page = assemble_page(*mesh, bvh, record, 2, "tiny");
   ZC_CHECK(page.ok());
@@ -340,9 +360,10 @@ double tiny_world_size_m(const TinyWorldOptions& options) { return 64.0 * (1U <<
 
 std::vector<std::uint32_t> page_of(const TinyWorld& world, std::uint32_t node) {
   const NodeRecord& record = world.index.nodes[node];
-  const Result<ZoneMesh> mesh = decode_zone_glb(world.files.at(node_file(record, "glb")), record, "tiny");
-  const Result<BvhFile> bvh = decode_bvh_file(world.files.at(node_file(record, "zbvh")), "tiny");
-  ZC_CHECK(mesh.ok() && bvh.ok());
+  Result<ZoneMesh> mesh = decode_zone_glb(world.files.at(node_file(record, "glb")), record, "tiny");
+  ZC_CHECK(mesh.ok());
+  const Result<BvhFile> bvh = decode_bvh_file(world.files.at(node_file(record, "zbvh")), *mesh, record, "tiny");
+  ZC_CHECK(bvh.ok());
   Result<std::vector<std::uint32_t>> page =
       assemble_page(*mesh, *bvh, record, static_cast<std::uint32_t>(world.index.materials.size()), "tiny");
   ZC_CHECK(page.ok());

@@ -38,13 +38,15 @@ void write_tiny_world(const TinyWorld& world, const std::filesystem::path& dir);
 double tiny_world_size_m(const TinyWorldOptions& options);
 inline constexpr double kTinyOrigin_m = 1000.0;
 
+enum class TinyStream : std::uint8_t { kEdgebreaker, kSequential, kColored };
+
 // One zone: ground and soup in [0, extent]³ offsets, as Draco GLB. Fills the record's counts and sizes.
 struct TinyZone {
   std::vector<std::byte> glb;
   std::vector<std::byte> bvh;
 };
 TinyZone make_tiny_zone(std::uint32_t grid, std::uint32_t soup, std::uint32_t extent, std::uint32_t seed,
-                        NodeRecord& record, bool sequential = false);
+                        NodeRecord& record, TinyStream kind = TinyStream::kEdgebreaker);
 
 // A plain median-split BVH, and the page of a zone's files (which must be sound).
 BvhFile build_median_bvh(const ZoneMesh& mesh, const NodeRecord& record);
