@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/vec3.hpp>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <vector>
 
+#include "baker/distance_bvh.h"
 #include "baker/manifold_fans.h"
 
 namespace zc {
@@ -18,6 +21,8 @@ struct Component {
   LatticeBox box;
   double area = 0;
   std::size_t faces = 0;
+  std::size_t largest_face = 0;
+  double largest_area = 0;
   bool ground = false;
   bool drop = false;
 };
@@ -60,7 +65,10 @@ Components find_components(const LatticeMesh& mesh) {
     }
     Component& part = out.list[number[root]];
     for (const std::uint32_t v : face.v) part.box.add(mesh.vertices[v]);
-    part.area += face_area(mesh, face);
+    const double area = face_area(mesh, face);
+    if (area > part.largest_area) part.largest_face = f;
+    part.largest_area = std::max(part.largest_area, area);
+    part.area += area;
     ++part.faces;
     out.of_face.push_back(number[root]);
   }
@@ -110,7 +118,57 @@ std::vector<bool> find_keepers(const Components& parts, double square) {
   return keep;
 }
 
+// For a face this far from all that is left. If all of its part is lost: closed, within the part's box, the tetrahedron
+// on every other corner. Ground, what is flat and what is partly there gets the face itself.
+LatticeMesh make_stand_in(const LatticeMesh& mesh, std::uint32_t face_index, const Components& parts, double distance) {
+  const LatticeFace& face = mesh.faces[face_index];
+  const Component& part = parts.list[parts.of_face[face_index]];
+  const LatticePoint& a = part.box.min;
+  const LatticePoint& b = part.box.max;
+  LatticeMesh out;
+  if (part.ground || part.box.diagonal() > distance || a[0] == b[0] || a[1] == b[1] || a[2] == b[2]) {
+    for (const std::uint32_t v : face.v) out.vertices.push_back(mesh.vertices[v]);
+    out.faces = {{{0, 1, 2}, face.material, face.ground}};
+    return out;
+  }
+  out.vertices = {{a[0], a[1], a[2]}, {b[0], b[1], a[2]}, {b[0], a[1], b[2]}, {a[0], b[1], b[2]}};
+  for (const auto& v : {std::array<std::uint32_t, 3>{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}})
+    out.faces.push_back({v, mesh.faces[part.largest_face].material, false});
+  return out;
+}
+
 }  // namespace
+
+void add_stand_ins(const LatticeMesh& source, double enough, std::size_t budget, LatticeMesh& mesh) {
+  const Components parts = find_components(source);
+  struct Lost {
+    std::uint32_t face;
+    glm::dvec3 center;
+    double distance;
+  };
+  const DistanceBvh left(mesh);
+  std::vector<Lost> lost;
+  for (std::uint32_t f = 0; f < source.faces.size(); ++f) {
+    glm::dvec3 center(0);
+    for (const std::uint32_t v : source.faces[f].v)
+      for (int axis = 0; axis < 3; ++axis) center[axis] += source.vertices[v][static_cast<std::size_t>(axis)] / 3.0;
+    const double distance = left.closest_of_look(center, 0, std::numeric_limits<double>::infinity());
+    if (distance > enough) lost.push_back({f, center, distance});
+  }
+  const auto nearer = [](const Lost& a, const Lost& b) { return a.distance < b.distance; };
+  while (!lost.empty()) {
+    const Lost farthest = *std::max_element(lost.begin(), lost.end(), nearer);  // of equals the first
+    const LatticeMesh stand_in = make_stand_in(source, farthest.face, parts, farthest.distance);
+    if (stand_in.faces.size() > budget) break;
+    budget -= stand_in.faces.size();
+    append(mesh, stand_in);
+    const DistanceBvh added(stand_in);
+    for (Lost& other : lost) other.distance = added.closest_of_look(other.center, 0, other.distance);
+    // The face itself is stood in for, wherever its centre is.
+    std::erase_if(lost, [&](const Lost& l) { return l.face == farthest.face || l.distance <= enough; });
+  }
+  weld(mesh);
+}
 
 void drop_small_components(LatticeMesh& mesh, double diagonal, std::size_t target_faces) {
   Components parts = find_components(mesh);

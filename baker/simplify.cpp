@@ -20,7 +20,9 @@ constexpr double kInnerNormalTurnDeg = 75;
 constexpr double kDecimationStuck = 0.8;  // of what it was given
 constexpr double kInnerTarget = 0.35;     // of the children's triangles
 constexpr double kInnerTargetSmall = 0.65;
-constexpr double kStoredAtMost = 0.70;  // of the children's triangles
+constexpr double kStoredAtMost = 0.70;    // of the children's triangles
+constexpr double kEnough = 0.5;           // of the tolerance: how far something lost may be from all that is left
+constexpr std::size_t kStandInShare = 4;  // of the target goes to what stands in for the lost, at most
 constexpr double kFirstToleranceM = 0.25;
 
 std::vector<bool> locked_vertices(const CellGrid& grid, const Zone& zone, const LatticeMesh& mesh) {
@@ -142,8 +144,17 @@ std::optional<Proxy> simplify_inner(const SimplifyContext& context, const Zone& 
   const std::size_t target = std::max<std::size_t>(1, std::min(most, static_cast<std::size_t>(share)));
   out.step_shift = step_shift_for_box(bounds_of(out.mesh));
   round_to_step(out.mesh, out.step_shift);
+  const LatticeMesh before = out.mesh;
   out.tolerance = coarsen(context, zone, tolerance, target, out.mesh);
   if (is_root) force_below(context.leaf_triangles, out.mesh);
+  const auto spare = [&](double bound) {
+    return static_cast<std::size_t>(std::max(0.0, bound - static_cast<double>(out.mesh.faces.size())));
+  };
+  if (!out.mesh.faces.empty())
+    add_stand_ins(before, kEnough * out.tolerance,
+                  std::min(target / kStandInShare,
+                           is_root ? spare(context.leaf_triangles) : spare(kStoredAtMost * static_cast<double>(sum))),
+                  out.mesh);
   if (out.mesh.faces.empty()) {
     if (!is_root) return std::nullopt;
     // Rounding left nothing: the root is what it was before it.

@@ -297,6 +297,51 @@ TEST(Components, SmallPartsGoButNeverTheGround) {
   EXPECT_EQ(mesh.faces.size(), 32U);
 }
 
+TEST(Components, WhatIsLostFarFromAllElseGetsAStandIn) {
+  SceneMaker maker;
+  maker.quad({-10, 0, 0}, {0, 0, 0}, {0, 10, 0}, {-10, 10, 0}, 2);
+  maker.quad({300, 0, 0}, {303, 0, 0}, {303, 200, 0}, {300, 200, 0}, 3);
+  maker.object(ObjectKind::kGround);
+  for (const double x : {10.0, 500.0, 900.0, 905.0}) {
+    maker.box({x, 0, 0}, {x + 4, 4, 3});
+    maker.object(ObjectKind::kObject);
+  }
+  const LatticeMesh source = mesh_of(std::move(maker.scene));
+  LatticeMesh left = source;  // the first ground and nothing else
+  std::erase_if(left.faces, [](const LatticeFace& face) { return !face.ground || face.material == 3; });
+  weld(left);
+  const auto farthest_m = [&](const LatticeMesh& mesh) {
+    const DistanceBvh bvh(mesh);
+    double farthest = 0;
+    for (const LatticePoint& p : source.vertices)
+      farthest = std::max(farthest, bvh.closest_of_look({p[0], p[1], p[2]}, 0, 1e9));
+    return farthest / 256;
+  };
+  EXPECT_GT(farthest_m(left), 900);
+
+  LatticeMesh mesh = left;
+  add_stand_ins(source, 30 * 256, 100, mesh);
+  EXPECT_LT(farthest_m(mesh), 100);  // of the street, half of which one triangle is
+  std::map<std::array<std::uint32_t, 2>, int> edges;
+  std::size_t bodies = 0;
+  for (std::size_t f = left.faces.size(); f < mesh.faces.size(); ++f) {
+    const LatticeFace& face = mesh.faces[f];
+    if (face.ground) continue;
+    ++bodies;
+    for (std::size_t i = 0; i < 3; ++i) ++edges[{face.v[i], face.v[(i + 1) % 3]}];
+  }
+  EXPECT_EQ(bodies, 8U);  // two: the near box is within 30 m, and the last two share one
+  for (const auto& [edge, count] : edges) EXPECT_EQ(count, (edges.contains({edge[1], edge[0]}) ? 1 : 0));
+
+  mesh = left;
+  add_stand_ins(source, 30 * 256, 4, mesh);  // enough for one, and the farthest is first
+  EXPECT_EQ(mesh.faces.size(), left.faces.size() + 4);
+  EXPECT_LT(farthest_m(mesh), 410);
+  mesh = left;
+  add_stand_ins(source, 1000 * 256, 100, mesh);
+  EXPECT_EQ(mesh, left);
+}
+
 TEST(Simplify, ALeafKeepsItsErrorBound) {
   SnappedScene scene = *snap_scene(test::small_city(), -8);
   const ZoneTree tree = cut_zones(scene, 1000000);
