@@ -20,6 +20,7 @@
 #include "baker/bvh/build_page.h"
 #include "baker/cut.h"
 #include "baker/encode.h"
+#include "baker/exterior.h"
 #include "baker/light/city_light.h"
 #include "baker/proxy_tree.h"
 #include "baker/snap.h"
@@ -166,9 +167,9 @@ std::vector<MaterialRecord> material_records(std::span<const Material> materials
 std::string bake_json(const BakeReport& report) {
   nlohmann::ordered_json json;
   const BakeSeconds& s = report.seconds;
-  json["bake_s"] = {{"total", s.total},   {"import", s.import_s},   {"repair", s.repair},
-                    {"cut", s.cut},       {"simplify", s.simplify}, {"light", s.light},
-                    {"encode", s.encode}, {"atlas", s.atlas},       {"bvh", s.bvh}};
+  json["bake_s"] = {
+      {"total", s.total},       {"import", s.import_s}, {"repair", s.repair}, {"exterior", s.exterior}, {"cut", s.cut},
+      {"simplify", s.simplify}, {"light", s.light},     {"encode", s.encode}, {"atlas", s.atlas},       {"bvh", s.bvh}};
   json["peak_rss_bytes"] = report.peak_rss_bytes;
   json["source_triangles"] = report.index.header.source_triangles;
   json["nodes"] = report.index.nodes.size();
@@ -206,6 +207,14 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   ZC_ASSIGN(SnappedScene snapped, snap_scene(std::move(scene), options.step_log2));
   ZC_ASSIGN(report.repair, repair_scene(snapped));
   report.seconds.repair = watch.lap();
+  const auto threads = static_cast<unsigned>(tbb::this_task_arena::max_concurrency());
+  if (options.exterior) {
+    progress.begin("exterior", 0.02, 0.02, 0);
+    ZC_ASSIGN(report.interior_faces, drop_interior(snapped, threads));
+    if (report.interior_faces > 0)
+      snapped.notes.push_back({"faces that can be seen from nowhere outside, left out", report.interior_faces});
+  }
+  report.seconds.exterior = watch.lap();
 
   progress.begin("cut", 0.02, 0.05, 0);
   ZoneTree tree = cut_zones(snapped, options.leaf_triangles);
@@ -272,7 +281,6 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
 
   if (options.light) {
     progress.begin("light", 0.93, 0.95, count);
-    const auto threads = static_cast<unsigned>(tbb::this_task_arena::max_concurrency());
     ZC_ASSIGN(CityLight light, light_city(decoded, index.nodes, materials, options.sun, step_m, threads, cache,
                                           [&] { progress.step(); }));
     for (std::size_t i = 0; i < count; ++i) appearances[i].light = std::move(light.zones[i]);

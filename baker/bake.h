@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bakes a scene into a world directory: snap, repair, cut, simplify, measure, encode, BVH, index, tileset.
-// Owns nothing afterwards. Deterministic: the same scene gives the same bytes at any thread count, except for
+// Bakes a scene into a world directory: snap, repair, drop the interior, cut, simplify, measure, encode, BVH, index,
+// tileset. Owns nothing afterwards. Deterministic: the same scene gives the same bytes at any thread count, except for
 // bake.json, which holds what this run took.
 // Fails when the scene is empty or too wide, or when `out` cannot be replaced; an old world stays as it was.
 #pragma once
@@ -33,6 +33,7 @@ struct BakeOptions {
   std::uint32_t atlas_size = 512;  // of a leaf, texels, a power of two to 1024; halved level by level; 0: none
   bool light = true;               // sky visibility and bounced light, for any sun
   std::optional<SunAngles> sun;    // what it lights and what it does not is stored too
+  bool exterior = false;           // faces that nobody outside can see are dropped
   std::int32_t step_log2 = kDefaultStepLog2;
   bool reuse = true;  // proxies of the world that is replaced, where what they were made of is the same; keeps them too
   // Called from any thread, one call at a time; fraction in 0..1.
@@ -43,6 +44,7 @@ struct BakeSeconds {  // wall clock
   double total = 0;
   double import_s = 0;
   double repair = 0;  // with the snap
+  double exterior = 0;
   double cut = 0;
   double simplify = 0;  // with the measuring of errors
   double light = 0;
@@ -56,6 +58,7 @@ struct BakeReport {
   BakeSeconds seconds;
   std::vector<ImportCount> notes;
   RepairReport repair;
+  std::uint64_t interior_faces = 0;  // dropped
   std::uint64_t proxies_reused = 0;
   std::uint64_t proxies_built = 0;
   std::uint64_t lights_reused = 0;  // zones whose light the last bake had

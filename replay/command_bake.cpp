@@ -89,6 +89,9 @@ void add_bake(CLI::App& app, const SetCommand& set) {
       "--sun", arguments->sun,
       "Sun, azimuth (degrees clockwise from north) and elevation, as in 145,38: what it lights is stored too, "
       "and needs no shadow rays while a replay's sun is the same");
+  command->add_flag("--exterior", arguments->options.exterior,
+                    "Leave out faces that can be seen from nowhere outside: rooms without an opening, what stands in "
+                    "them, and walls between buildings that touch");
   command->add_option("--threads", arguments->options.threads, "Threads (0: all cores)")
       ->capture_default_str()
       ->check(CLI::Range(0U, 256U));

@@ -55,7 +55,6 @@ const std::array<glm::vec3, kBounceSuns>& bounce_suns() {
 
 LightDetail::LightDetail(std::span<const ZoneMesh> meshes, std::span<const NodeRecord> nodes,
                          std::span<const Material> materials, double step_m) {
-  float extent = 1;
   std::size_t triangles = 0;
   for (const NodeRecord& node : nodes) triangles += node.is_detail() ? node.triangle_count : 0;
   corners.reserve(3 * triangles + 1);  // Embree loads 16 bytes at the last corner
@@ -65,28 +64,52 @@ LightDetail::LightDetail(std::span<const ZoneMesh> meshes, std::span<const NodeR
     Part part;
     part.node = static_cast<std::uint32_t>(n);
     part.first = static_cast<std::uint32_t>(normal.size());
-    part.count = static_cast<std::uint32_t>(mesh.triangles.size());
-    part.low = glm::vec3(std::numeric_limits<float>::infinity());
-    part.high = -part.low;
+    parts.push_back(part);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      for (const std::uint32_t v : mesh.triangles[t]) {
-        glm::vec3 p;
-        for (int axis = 0; axis < 3; ++axis) {
-          const auto at = static_cast<std::size_t>(axis);
-          const std::int64_t lattice =
-              nodes[n].origin[at] + (std::int64_t{mesh.vertices[v][at]} << nodes[n].step_shift);
-          p[axis] = static_cast<float>(static_cast<double>(lattice) * step_m);
-          extent = std::max(extent, std::abs(p[axis]));
+      std::array<glm::vec3, 3> triangle{};
+      for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const std::int64_t offset = std::int64_t{mesh.vertices[mesh.triangles[t][k]][axis]} << nodes[n].step_shift;
+          triangle[k][static_cast<int>(axis)] =
+              static_cast<float>(static_cast<double>(nodes[n].origin[axis] + offset) * step_m);
         }
-        part.low = glm::min(part.low, p);
-        part.high = glm::max(part.high, p);
-        corners.push_back(p);
-      }
-      const glm::vec3* corner = &corners[corners.size() - 3];
-      normal.push_back(glm::normalize(glm::cross(corner[1] - corner[0], corner[2] - corner[0])));
+      add(triangle);
       albedo.push_back(materials[mesh.materials[t]].base_color);
     }
-    parts.push_back(part);
+  }
+  finish();
+}
+
+LightDetail::LightDetail(const LatticeMesh& mesh, double step_m) {
+  corners.reserve(3 * mesh.faces.size() + 1);
+  parts.emplace_back();
+  for (const LatticeFace& face : mesh.faces) {
+    std::array<glm::vec3, 3> triangle{};
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        triangle[k][static_cast<int>(axis)] =
+            static_cast<float>(static_cast<double>(mesh.vertices[face.v[k]][axis]) * step_m);
+    add(triangle);
+  }
+  finish();
+}
+
+void LightDetail::add(const std::array<glm::vec3, 3>& triangle) {
+  Part& part = parts.back();
+  if (part.count++ == 0) part.low = part.high = triangle[0];
+  for (const glm::vec3& p : triangle) {
+    part.low = glm::min(part.low, p);
+    part.high = glm::max(part.high, p);
+    corners.push_back(p);
+  }
+  normal.push_back(glm::normalize(glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0])));
+}
+
+void LightDetail::finish() {
+  float extent = 1;
+  for (const glm::vec3& p : corners) {
+    const glm::vec3 far = glm::abs(p);
+    extent = std::max({extent, far.x, far.y, far.z});
   }
   sunlight.resize(normal.size());
   bias_m = std::max(kMinBiasM, kBiasUlps * extent * std::numeric_limits<float>::epsilon());

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "baker/lattice_mesh.h"
 #include "baker/scene.h"
 #include "base/result.h"
 #include "streamer/world_format/bvh_page.h"
@@ -38,6 +39,8 @@ struct LightDetail {
 
   LightDetail(std::span<const ZoneMesh> meshes, std::span<const NodeRecord> nodes, std::span<const Material> materials,
               double step_m);
+  // For rays alone: one part, without albedo.
+  LightDetail(const LatticeMesh& mesh, double step_m);
 
   std::vector<Part> parts;         // in the order of the nodes
   std::vector<glm::vec3> corners;  // three a triangle
@@ -45,6 +48,10 @@ struct LightDetail {
   std::vector<glm::vec3> normal;   // unit
   std::vector<Sunlight> sunlight;  // of each sun, of 127; negative: on the back
   float bias_m = 0;                // how far from a surface rays start, so that they do not meet it again
+
+ private:
+  void add(const std::array<glm::vec3, 3>& triangle);  // to the last part
+  void finish();
 };
 
 // Embree itself. While one lives TBB has no more than one thread.

@@ -298,5 +298,33 @@ TEST_F(Bake, AnOldWorldIsReplacedWholeAndOtherFoldersAreLeftAlone) {
   EXPECT_EQ(entries, 2U);
 }
 
+// A closed box in a closed box: nobody sees it, and its world is the one without it.
+TEST_F(Bake, ExteriorLeavesOutWhatNobodySees) {
+  const auto world = [&](bool inner, bool exterior, const char* name) {
+    test::SceneMaker maker;
+    maker.terrain({0, 0, 0}, 24, 5);
+    const auto closed = [&](const glm::dvec3& low, const glm::dvec3& high) {
+      maker.box(low, high);
+      maker.quad({low.x, high.y, low.z}, {high.x, high.y, low.z}, {high.x, low.y, low.z}, low, 0);
+      maker.object(ObjectKind::kObject);
+    };
+    closed({40, 40, 5}, {60, 60, 30});
+    if (inner) closed({45, 45, 10}, {50, 50, 20});
+    BakeOptions options;
+    options.exterior = exterior;
+    options.reuse = false;
+    const auto baked = bake_world(std::move(maker.scene), 0, options, folder_ / name);
+    EXPECT_TRUE(baked.ok());
+    EXPECT_EQ(baked->interior_faces, inner && exterior ? 12U : 0U);
+    auto files = read_world(folder_ / name);
+    EXPECT_EQ(files.erase(kWorldIndexName), 1U);  // counts the source's triangles
+    return files;
+  };
+  const auto bare = world(false, false, "bare");
+  EXPECT_NE(world(true, false, "full"), bare);
+  EXPECT_EQ(world(true, true, "dropped"), bare);
+  EXPECT_EQ(world(false, true, "nothing to drop"), bare);
+}
+
 }  // namespace
 }  // namespace zc
