@@ -291,7 +291,7 @@ void add_bench_build(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "build", "Build the trees of the same zones with our builders and Embree's, and trace the same rays in each");
-  command->add_option("world", a->subject.world, "World folder; without it and --triangles: the generated city");
+  command->add_option("world", a->subject.world, "World: a folder or a .3tz archive; without it and --triangles: the generated city");
   command->add_option("--triangles", a->subject.triangles, "Raw floats, nine a triangle");
   command->add_flag("--thesis", a->thesis, "The thesis's size: 627,411 triangles in 167 zones of a generated city");
   command->add_option("--engines", a->options.engines, "Parted by commas; default: all that this machine has")

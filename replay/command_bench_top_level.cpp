@@ -48,7 +48,7 @@ void add_bench_top_level(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "top-level", "Rebuild the top level over many zones, as every change of residency does, and measure it");
-  command->add_option("world", a->world, "World folder; without it: the generated city");
+  command->add_option("world", a->world, "World: a folder or a .3tz archive; without it: the generated city");
   command->add_option("--zones", a->zones, "Zones; those of a smaller world are repeated side by side")
       ->capture_default_str()
       ->check(CLI::Range(1U, 20000U));

@@ -91,7 +91,7 @@ void add_bench_trace(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "trace", "Trace the same rays through our kernels and every peer, and hold all hits against double precision");
-  command->add_option("world", a->subject.world, "World folder; without it and --triangles: the generated city");
+  command->add_option("world", a->subject.world, "World: a folder or a .3tz archive; without it and --triangles: the generated city");
   command->add_option("--path", a->subject.path, "Camera path or still views: mirror rays of what the camera sees");
   command->add_option("--frame", a->subject.frame, "Sample of the path")->capture_default_str();
   command->add_option("--rays", a->rays,

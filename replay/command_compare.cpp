@@ -56,7 +56,7 @@ Status run(const Arguments& arguments) {
 void add_compare(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("compare", "Draw a world's proxies, level by level, against its full detail");
-  command->add_option("world", a->world, "World folder")->required();
+  command->add_option("world", a->world, "World: a folder or a .3tz archive")->required();
   command->add_option("--path", a->path, "Camera path (CSV) or still views (shots.json)")->required();
   command->add_option("-o,--output", a->out, "Folder for pictures, maps of FLIP, contact_sheet.png and compare.json")
       ->required();

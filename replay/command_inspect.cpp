@@ -44,7 +44,7 @@ void print_table(const nlohmann::ordered_json& json) {
 }
 
 Status run(const Arguments& arguments) {
-  ZC_ASSIGN(const auto source, open_directory_source(arguments.world));
+  ZC_ASSIGN(const auto source, open_source(arguments.world));
   ZC_ASSIGN(const WorldIndex index, read_world_index(*source, arguments.world));
   nlohmann::ordered_json json = describe_world(*source, index);
   Status verified;
@@ -70,7 +70,7 @@ Status run(const Arguments& arguments) {
 void add_inspect(CLI::App& app, const SetCommand& set) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("inspect", "Show what a world holds: zones, levels, bytes, errors");
-  command->add_option("world", arguments->world, "World folder")->required();
+  command->add_option("world", arguments->world, "World: a folder or a .3tz archive")->required();
   command->add_flag("--json", arguments->json, "Print JSON");
   command->add_flag("--verify", arguments->verify, "Read, decode and check every page; exit 1 when one fails");
   command->callback([=] { set([=] { return run(*arguments); }); });

@@ -128,7 +128,7 @@ Status run(const Arguments& arguments) {
 void add_replay(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("replay", "Page and render a world along a camera path under a memory cap");
-  command->add_option("world", a->world, "World folder")->required();
+  command->add_option("world", a->world, "World: a folder or a .3tz archive")->required();
   command->add_option("--path", a->path, "Camera path (CSV) or still views (shots.json)")->required();
   command->add_option("--cap", a->cap, "Hard cap on everything the streamer holds, e.g. 64MiB")->required();
   command->add_option("-o,--output", a->out, "Folder for frames, stats.json and frames.csv");

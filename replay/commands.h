@@ -13,6 +13,7 @@ namespace zc {
 using SetCommand = std::function<void(std::function<Status()>)>;
 
 void add_generate(CLI::App& app, const SetCommand& set);
+void add_pack(CLI::App& app, const SetCommand& set);
 void add_bake(CLI::App& app, const SetCommand& set);
 void add_inspect(CLI::App& app, const SetCommand& set);
 void add_compare(CLI::App& app, const SetCommand& set);

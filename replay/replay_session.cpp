@@ -65,7 +65,7 @@ class Session {
   explicit Session(const ReplayOptions& options) : options_(options) {}
 
   Result<ReplayReport> run() {
-    ZC_ASSIGN(source_, open_directory_source(options_.world));
+    ZC_ASSIGN(source_, open_source(options_.world));
     if (options_.render) ZC_TRY(open_device());
     reset_peak_resident_set();
     report_.baseline_rss_bytes = resident_set_bytes();

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "base/file.h"
+#include "streamer/archive_source.h"
 
 namespace zc {
 namespace {
@@ -41,6 +42,13 @@ class DirectorySource final : public Source {
 };
 
 }  // namespace
+
+Result<std::unique_ptr<Source>> open_source(const std::filesystem::path& place) {
+  std::error_code code;
+  if (std::filesystem::is_directory(place, code)) return open_directory_source(place);
+  if (!std::filesystem::exists(place, code)) return Error{ErrorCode::kIo, "no such world", place.string()};
+  return open_archive_source(place);
+}
 
 Result<std::unique_ptr<Source>> open_directory_source(const std::filesystem::path& dir) {
   std::error_code code;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a world's files come from: a directory now, anything that reads named files by size.
+// Where a world's files come from: a directory, an archive, anything that reads named files by size.
 // Owns: nothing that callers see · threads: every method may be called from several threads at once · untrusted input:
 // names with ".." or absolute names are refused, sizes are checked before memory is taken.
 #pragma once
@@ -25,6 +25,9 @@ class Source {
   // The whole file `name`, whatever its size up to limit_bytes.
   virtual Result<std::vector<std::byte>> read_all(const std::string& name, std::uint64_t limit_bytes) = 0;
 };
+
+// A directory, or a .3tz archive (archive_source.h). Fails when it is neither.
+Result<std::unique_ptr<Source>> open_source(const std::filesystem::path& place);
 
 // Fails when `dir` is not a directory.
 Result<std::unique_ptr<Source>> open_directory_source(const std::filesystem::path& dir);

@@ -46,6 +46,8 @@ LIBRARIES = {
     "CLI/": ("replay",),
     "embree3/": ("baker", "replay"),
     "spdlog/": ("replay",),
+    "md5.h": ("streamer",),
+    "zip.h": ("replay",),
     "spng.h": ("replay", "tests"),
     "gtest/": ("tests",),
     "spirv_cross/": ("tests",),
@@ -56,13 +58,13 @@ POSIX = {"fcntl.h", "malloc.h", "stdio.h", "stdlib.h", "unistd.h"}
 LINKS = {
     "zonecast_base": {"zonecast_options"},
     "zonecast_streamer": {"zonecast_base", "glm::glm", "Threads::Threads", "draco::draco",
-                          "nlohmann_json::nlohmann_json", "PkgConfig::XXHASH"},
+                          "nlohmann_json::nlohmann_json", "PkgConfig::XXHASH", "PkgConfig::MD"},
     "zonecast_runtime": {"zonecast_base", "glm::glm", "Vulkan::Vulkan"},
     "zonecast_baker": {"zonecast_streamer", "CGAL::CGAL", "OpenMeshCore", "OpenMeshTools", "draco::draco",
                        "nlohmann_json::nlohmann_json", "PkgConfig::XXHASH", "TBB::tbb", "embree", "meshoptimizer::meshoptimizer",
                        "pugixml::pugixml"},
     "zonecast_replay": {"zonecast_streamer", "zonecast_runtime", "CLI11::CLI11", "nlohmann_json::nlohmann_json",
-                        "PkgConfig::SPNG", "spdlog::spdlog", "spdlog::spdlog_header_only", "embree"},
+                        "PkgConfig::SPNG", "PkgConfig::MINIZIP", "spdlog::spdlog", "spdlog::spdlog_header_only", "embree"},
     "zonecast": {"zonecast_replay", "zonecast_baker"},
 }
 # Target -> the folders whose sources it is made of.

@@ -81,15 +81,17 @@ class Validators(support.Case):
 
         self.assert_fault(change, "volume leaves its parent's")
 
-    def test_the_3d_tiles_tools_read_a_world_whole(self):
-        packed, unpacked = self.folder / "packed.3tz", self.folder / "unpacked"
-        for source, target in ((self.world / "tileset.json", packed), (packed, unpacked)):
-            done = node.run([node.PACKAGES / ".bin" / "3d-tiles-tools", "convert", "-i", source, "-o", target])
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+    def test_the_3d_tiles_tools_read_a_world_and_its_archive_whole(self):
+        packed = self.folder / "packed.3tz"
+        self.zonecast("pack", self.world, "-o", packed)
         files = sorted(file.relative_to(self.world) for file in self.world.rglob("*.glb"))
-        self.assertEqual(files, sorted(file.relative_to(unpacked) for file in unpacked.rglob("*.glb")))
-        for file in files:
-            self.assertEqual((unpacked / file).read_bytes(), (self.world / file).read_bytes(), file)
+        for source in (self.world / "tileset.json", packed):
+            unpacked = self.folder / source.stem
+            done = node.run([node.PACKAGES / ".bin" / "3d-tiles-tools", "convert", "-i", source, "-o", unpacked])
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            self.assertEqual(files, sorted(file.relative_to(unpacked) for file in unpacked.rglob("*.glb")))
+            for file in files:
+                self.assertEqual((unpacked / file).read_bytes(), (self.world / file).read_bytes(), file)
 
 
 if __name__ == "__main__":
