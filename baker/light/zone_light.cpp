@@ -22,6 +22,9 @@ constexpr float kInset = 1.0F / 6;
 // Corners at one point share their samples when their normals are closer than this.
 constexpr float kSmoothCosine = 0.94F;
 constexpr int kBounceRounds = 6;
+// Corners lie where other things begin: of a triangle longer than this, bounced light is looked at all over it.
+constexpr float kBounceSpacingM = 1.5F;
+constexpr int kBounceMaxRows = 2;
 // A surface this close to a proxy is what it stands for, whichever way it faces.
 constexpr float kSameSurfaceM = 0.1F;
 // For the sun, a triangle is looked at so densely.
@@ -238,7 +241,7 @@ class ZoneLight {
       std::vector<Received> next(groups_.size());
       std::vector<float> areas(groups_.size());
       for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-        const Received mean = mean_of(t);
+        const Received mean = round == 0 ? look_over(t) : mean_of(t);
         for (std::size_t k = 0; k < 3; ++k) {
           next[group_[3 * t + k]].add(mean, areas_[t]);
           areas[group_[3 * t + k]] += areas_[t];
@@ -255,6 +258,35 @@ class ZoneLight {
   [[nodiscard]] Received mean_of(std::size_t t) const {
     Received mean;
     for (std::size_t k = 0; k < 3; ++k) mean.add(groups_[group_[3 * t + k]], 1.0F / 3);
+    return mean;
+  }
+
+  [[nodiscard]] float longest_edge(std::size_t t) const {
+    const auto& v = mesh_.triangles[t];
+    return std::max({glm::distance(points_[v[0]], points_[v[1]]), glm::distance(points_[v[1]], points_[v[2]]),
+                     glm::distance(points_[v[2]], points_[v[0]])});
+  }
+
+  // Calls visit(point) for points spread evenly over a triangle, `rows` along an edge, until it returns false.
+  template <class Visit>
+  void for_points(std::size_t t, int rows, const Visit& visit) const {
+    for (int i = 0; i < rows; ++i)
+      for (int j = 0; i + j < rows; ++j) {
+        const float a = (static_cast<float>(i) + 1.0F / 3) / static_cast<float>(rows);
+        const float b = (static_cast<float>(j) + 1.0F / 3) / static_cast<float>(rows);
+        if (!visit(at(t, {a, b, 1 - a - b}))) return;
+      }
+  }
+
+  [[nodiscard]] Received look_over(std::size_t t) const {
+    const int rows = std::min(static_cast<int>(longest_edge(t) / kBounceSpacingM), kBounceMaxRows);
+    if (rows == 0) return mean_of(t);
+    Received mean;
+    const float share = 2.0F / static_cast<float>(rows * (rows + 1));
+    for_points(t, rows, [&](const glm::vec3& p) {
+      mean.add(receive(p, normals_[t]), share);
+      return true;
+    });
     return mean;
   }
 
@@ -285,20 +317,14 @@ class ZoneLight {
   [[nodiscard]] std::uint32_t sun_state(std::size_t t) const {
     const float cosine = glm::dot(normals_[t], *sun_);
     const glm::vec3 normal = cosine < 0 ? -normals_[t] : normals_[t];
-    const auto& v = mesh_.triangles[t];
-    const float longest =
-        std::max({glm::distance(points_[v[0]], points_[v[1]]), glm::distance(points_[v[1]], points_[v[2]]),
-                  glm::distance(points_[v[2]], points_[v[0]])});
-    const int rows = std::clamp(static_cast<int>(std::ceil(longest / kSunSpacingM)), 2, kSunMaxRows);
+    const int rows = std::clamp(static_cast<int>(std::ceil(longest_edge(t) / kSunSpacingM)), 2, kSunMaxRows);
     bool lit = false;
     bool shadow = false;
-    for (int i = 0; i < rows; ++i)
-      for (int j = 0; i + j < rows; ++j) {
-        const float a = (static_cast<float>(i) + 1.0F / 3) / static_cast<float>(rows);
-        const float b = (static_cast<float>(j) + 1.0F / 3) / static_cast<float>(rows);
-        (scene_.blocked(start(at(t, {a, b, 1 - a - b}), normal), *sun_, kSunDistanceM) ? shadow : lit) = true;
-        if (lit && shadow) return gpu::kSunUnknown;
-      }
+    for_points(t, rows, [&](const glm::vec3& p) {
+      (scene_.blocked(start(p, normal), *sun_, kSunDistanceM) ? shadow : lit) = true;
+      return !(lit && shadow);
+    });
+    if (lit && shadow) return gpu::kSunUnknown;
     return lit ? gpu::kSunLit : gpu::kSunShadow;
   }
 
