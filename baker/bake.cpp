@@ -184,6 +184,11 @@ std::string bake_json(const BakeReport& report) {
   json["repair"] = {{"counts", counts(report.repair.counts)},
                     {"open_edges", report.repair.open_edges},
                     {"border_error_m", report.repair.border_error_m}};
+  json["left_out"] = nlohmann::ordered_json::array();
+  for (const LeftOut& left : report.left_out) {
+    json["left_out"].push_back({{"what", left.what}, {"count", left.count}, {"page_bytes", left.page_bytes}});
+    if (left.disk_bytes > 0) json["left_out"].back()["disk_bytes"] = left.disk_bytes;
+  }
   json["notes"] = counts(report.notes);
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
@@ -211,8 +216,6 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   if (options.exterior) {
     progress.begin("exterior", 0.02, 0.02, 0);
     ZC_ASSIGN(report.interior_faces, drop_interior(snapped, threads));
-    if (report.interior_faces > 0)
-      snapped.notes.push_back({"faces that can be seen from nowhere outside, left out", report.interior_faces});
   }
   report.seconds.exterior = watch.lap();
 
@@ -269,11 +272,14 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
         },
         tbb::simple_partitioner());
   };
+  LeftOutInput left_out = {report.interior_faces, proxies.left_out, proxies.left_out_triangles, options.light, {}};
+  if (options.atlas_size > 0)
+    for (const std::uint32_t height : heights(index.nodes))
+      left_out.atlas_sizes.push_back(std::max(options.atlas_size >> height, kSmallestAtlas));
   if (!textures.empty() && options.atlas_size > 0) {
-    const std::vector<std::uint32_t> height = heights(index.nodes);
     progress.begin("atlas", 0.92, 0.93, count);
     for_each_node([&](std::size_t i) {
-      const AtlasOptions atlas{.max_size = std::max(options.atlas_size >> height[i], kSmallestAtlas)};
+      const AtlasOptions atlas{.max_size = left_out.atlas_sizes[i]};
       appearances[i] = make_zone_looks(decoded[i], index.nodes[i], textures, materials, step_m, atlas);
     });
   }
@@ -314,6 +320,7 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   index.header.material_count = material_count;
   index.header.crs_bytes = static_cast<std::uint32_t>(index.crs.size());
   index.materials = material_records(materials);
+  report.left_out = count_left_out(index, report.proxies, report.detail, left_out);
   ZC_TRY(writer.write(kWorldIndexName, encode_world_index(index)));
   ZC_TRY(writer.write_text("tileset.json", make_tileset_json(index)));
   report.seconds.total = import_s + all.lap();

@@ -14,6 +14,7 @@
 
 #include "baker/bvh/build_wide.h"
 #include "baker/disk_parts.h"
+#include "baker/left_out.h"
 #include "baker/repair.h"
 #include "baker/scene.h"
 #include "baker/world_writer.h"
@@ -59,6 +60,7 @@ struct BakeReport {
   std::vector<ImportCount> notes;
   RepairReport repair;
   std::uint64_t interior_faces = 0;  // dropped
+  std::vector<LeftOut> left_out;
   std::uint64_t proxies_reused = 0;
   std::uint64_t proxies_built = 0;
   std::uint64_t lights_reused = 0;  // zones whose light the last bake had

@@ -30,8 +30,8 @@ struct DracoStream {
   std::vector<std::uint32_t> order;  // for each triangle as decoded, which it is of the mesh
 };
 
-// Falls back to sequential connectivity where edgebreaker does not give the same triangles back, or not in a stream that
-// draco_table_bytes can follow; not with colours. Fails when nothing does.
+// Falls back to sequential connectivity where edgebreaker does not give the same triangles back, or not in a stream
+// that draco_table_bytes can follow; not with colours. Fails when nothing does.
 Result<DracoStream> encode_draco(const QuantizedTriangles& mesh);
 
 }  // namespace zc

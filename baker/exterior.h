@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Drops the faces that nobody outside can see: both of whose sides look into spaces that are sealed off, as the rooms of
-// closed buildings, what stands in them, and the walls between buildings that touch.
+// Drops the faces that nobody outside can see: both of whose sides look into spaces that are sealed off, as the rooms
+// of closed buildings, what stands in them, and the walls between buildings that touch.
 //
 // What a free line of sight joins is one space. Rays from many points of a face's sides tell which sides look into the
 // same space, and which into the open: a ray that meets nothing, in whatever direction, does. A face stays when either

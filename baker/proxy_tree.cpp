@@ -139,6 +139,13 @@ class Builder {
     for (std::size_t i = 0; i < tree_.zones.size(); ++i)
       if (tree_.zones[i].children.empty() && states_[i].leaves.empty())
         out.lost_triangles += tree_.zones[i].detail.faces.size();
+    for (const ZoneState& state : states_) {
+      if (state.proxy || state.below.empty()) continue;
+      ++out.left_out;
+      std::size_t below = 0;
+      for (const std::uint32_t child : state.below) below += states_[child].proxy->mesh.faces.size();
+      out.left_out_triangles += static_cast<std::uint64_t>(kStoredAtMost * static_cast<double>(below));
+    }
     // Moved last: children were looked at through their zones until here.
     for (std::size_t i = 0; i < out.nodes.size(); ++i)
       if (!out.nodes[i].is_detail) out.nodes[i].proxy = std::move(*states_[zone_of[i]].proxy);

@@ -28,7 +28,9 @@ struct ProxyNode {
 
 struct ProxyTree {
   std::vector<ProxyNode> nodes;
-  std::uint64_t lost_triangles = 0;  // of leaves in which nothing survives the rounding to their step
+  std::uint64_t lost_triangles = 0;      // of leaves in which nothing survives the rounding to their step
+  std::uint64_t left_out = 0;            // inner zones whose proxy saves too little
+  std::uint64_t left_out_triangles = 0;  // that these would have at least
 };
 
 // `done` is called once per zone, from any thread. Fails when nothing survives.

@@ -20,7 +20,6 @@ constexpr double kInnerNormalTurnDeg = 75;
 constexpr double kDecimationStuck = 0.8;  // of what it was given
 constexpr double kInnerTarget = 0.35;     // of the children's triangles
 constexpr double kInnerTargetSmall = 0.65;
-constexpr double kStoredAtMost = 0.70;    // of the children's triangles
 constexpr double kEnough = 0.5;           // of the tolerance: how far something lost may be from all that is left
 constexpr std::size_t kStandInShare = 4;  // of the target goes to what stands in for the lost, at most
 constexpr double kFirstToleranceM = 0.25;

@@ -35,7 +35,10 @@ Proxy round_detail(const LatticeMesh& detail);
 Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Proxy& rounded,
                     const DetailSurface& detail);
 
-// From the proxies below. None where it would save less than 30 %; the root always gets one, of at most
+// Of the triangles of the proxies below: with more a proxy is not stored.
+inline constexpr double kStoredAtMost = 0.70;
+
+// From the proxies below. None where it would save too little; the root always gets one, of at most
 // leaf_triangles triangles.
 std::optional<Proxy> simplify_inner(const SimplifyContext& context, const Zone& zone,
                                     std::span<const Proxy* const> children, std::span<const DetailSurface> detail);

@@ -50,6 +50,8 @@ Status run(const Arguments& arguments) {
   for (const NodeRecord& node : report.index.nodes) zones += node.is_detail() ? 1 : 0;
   for (const auto* notes : {&report.notes, &report.repair.counts})
     for (const ImportCount& note : *notes) spdlog::info("{}: {}", note.what, note.count);
+  if (report.interior_faces > 0)
+    spdlog::info("faces that can be seen from nowhere outside, left out: {}", report.interior_faces);
   std::cout << arguments.out << ": " << report.index.header.source_triangles << " triangles in " << zones << " zones, "
             << report.index.nodes.size() << " nodes (" << report.proxies_reused << " proxies as before), " << std::fixed
             << std::setprecision(1) << report.seconds.total << " s, peak memory " << format_bytes(report.peak_rss_bytes)

@@ -39,7 +39,15 @@ void print_table(const nlohmann::ordered_json& json) {
     std::cout << ' ' << part << ' ' << bytes.get<double>() << (part == "total" ? "\n" : ",");
   std::cout << "bytes a proxy triangle, on disk:";
   for (const auto& [part, bytes] : json["disk_bytes_per_triangle"].items())
-    std::cout << ' ' << part << ' ' << bytes.get<double>() << (part == "total" ? "\n\n" : ",");
+    std::cout << ' ' << part << ' ' << bytes.get<double>() << (part == "total" ? "\n" : ",");
+  for (const auto& left : json["left_out"]) {
+    const std::string what = left["what"].dump();  // control characters escaped
+    std::cout << "left out: " << left["count"] << ' ' << what.substr(1, what.size() - 2) << ": "
+              << format_bytes(left["page_bytes"]) << " of pages";
+    if (left.contains("disk_bytes")) std::cout << ", " << format_bytes(left["disk_bytes"]) << " on disk";
+    std::cout << '\n';
+  }
+  std::cout << '\n';
   print_thesis_table(std::cout, json["table_4_1"]);
 }
 

@@ -99,6 +99,22 @@ nlohmann::ordered_json read_bake_report(Source& source) {
   return report.is_object() ? report : nlohmann::ordered_json::object();
 }
 
+// As the bake tells it; entries of another form are not passed on.
+nlohmann::ordered_json left_out_of(const nlohmann::ordered_json& report) {
+  auto out = nlohmann::ordered_json::array();
+  const auto all = report.find("left_out");
+  if (all == report.end() || !all->is_array()) return out;
+  for (const auto& entry : *all) {
+    if (!entry.is_object() || !entry.contains("what") || !entry["what"].is_string()) continue;
+    const auto counts = {"count", "page_bytes", "disk_bytes"};
+    nlohmann::ordered_json kept = {{"what", entry["what"]}};
+    for (const char* key : counts)
+      if (entry.contains(key) && entry[key].is_number_unsigned()) kept[key] = entry[key];
+    if (kept.contains("count") && kept.contains("page_bytes")) out.push_back(std::move(kept));
+  }
+  return out;
+}
+
 }  // namespace
 
 Result<WorldIndex> read_world_index(Source& source, const std::filesystem::path& folder) {
@@ -144,6 +160,7 @@ nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index) {
   const nlohmann::ordered_json disk = report.value("disk_bytes", nlohmann::ordered_json());
   json["disk_bytes_per_triangle"] = proxies.disk_per_triangle(
       disk.is_object() ? disk.value("proxies", nlohmann::ordered_json()) : nlohmann::ordered_json());
+  json["left_out"] = left_out_of(report);
   if (report.value("bake_s", nlohmann::ordered_json()).is_object()) json["bake_s"] = report["bake_s"];
   json["table_4_1"] =
       thesis_table(index, json.value(nlohmann::ordered_json::json_pointer("/bake_s/bvh"), nlohmann::ordered_json()));

@@ -16,7 +16,7 @@ namespace zc {
 // The index of the world in `folder`, which `source` reads.
 Result<WorldIndex> read_world_index(Source& source, const std::filesystem::path& folder);
 
-// Keys as DESIGN names them for `inspect --json`. bake_s comes from bake.json and is absent without it;
+// Keys as DESIGN names them for `inspect --json`. bake_s and left_out come from bake.json: absent and empty without it;
 // disk_bytes_per_triangle, of the proxies, tells the components that bake.json knows, else the kinds of file.
 nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index);
 

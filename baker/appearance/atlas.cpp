@@ -159,6 +159,13 @@ std::optional<AtlasLayout> lay_out_atlas(std::span<const Chart* const> charts, d
   return std::nullopt;
 }
 
+std::uint32_t atlas_bytes(std::uint32_t size) {
+  AtlasShape shape{static_cast<std::uint32_t>(std::bit_width(size) - 1),
+                   static_cast<std::uint32_t>(std::bit_width(size) - 1), 1};
+  while (shape.levels < kMaxLevels && size >> (shape.levels - 1) > kMinSize) ++shape.levels;
+  return sizeof(std::uint32_t) * shape.words();
+}
+
 EncodedAtlas encode_atlas(const AtlasLayout& layout, std::span<const ChartTexels> texels) {
   Level level{layout.width, layout.height, {}, {}};
   level.color.resize(std::size_t{level.width} * level.height);

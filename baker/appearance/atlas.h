@@ -31,6 +31,9 @@ struct EncodedAtlas {
   std::vector<std::uint32_t> blocks;  // BC1, level by level
 };
 
+// Of an atlas of size² texels with all its levels.
+std::uint32_t atlas_bytes(std::uint32_t size);
+
 // texels: of each chart of the layout.
 EncodedAtlas encode_atlas(const AtlasLayout& layout, std::span<const ChartTexels> texels);
 

@@ -110,6 +110,53 @@ class MainJob(support.Case):
             self.assertAlmostEqual(told["total"], disk["total"], places=6)
             shutil.rmtree(copy)
 
+    def test_what_a_bake_left_out_is_told_with_what_it_saves(self):
+        kept = json.loads((self.world / "bake.json").read_text())["left_out"]
+        self.assertEqual(json.loads(self.zonecast("inspect", self.world, "--json"))["left_out"], kept)
+        counts = {entry["what"]: entry["count"] for entry in kept}
+        self.assertGreater(counts["triangles without normals of their own"], 1000)
+        for entry in kept:
+            self.assertGreater(entry["count"], 0)
+            self.assertGreater(entry["page_bytes"], 0)
+        shown = self.zonecast("inspect", self.world)
+        self.assertEqual(shown.count("left out: "), len(kept))
+        good = {"what": "\x1b[31mlevels", "count": 3, "page_bytes": 2048}
+        for other in ("[]", '"much"', '[1, {"what": 2}, {"what": "x", "count": -1, "page_bytes": 1}]'):
+            copy = self.folder / "copy"
+            shutil.copytree(self.world, copy)
+            entries = json.loads(other)
+            entries = entries + [good] if isinstance(entries, list) else entries
+            (copy / "bake.json").write_text(json.dumps({"left_out": entries}))
+            told = json.loads(self.zonecast("inspect", copy, "--json"))["left_out"]
+            self.assertEqual(told, [good] if isinstance(entries, list) else [])
+            self.assertNotIn("\x1b", self.zonecast("inspect", copy))
+            shutil.rmtree(copy)
+
+    def test_a_sealed_room_is_left_out_on_request(self):
+        def box(low, high):
+            at = [[(high if i >> axis & 1 else low)[axis] for axis in range(3)] for i in range(8)]
+            quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+            return [[[at[i] for i in quad]] for quad in quads]
+
+        city = {"type": "CityJSON", "version": "2.0", "transform": {"scale": [1, 1, 1], "translate": [0, 0, 0]},
+                "CityObjects": {}, "vertices": []}
+        for name, faces in (("house", box((0, 0, 0), (20, 20, 10))), ("hidden", box((5, 5, 2), (8, 8, 4)))):
+            boundaries = []
+            for ((*corners,),) in faces:
+                first = len(city["vertices"])
+                city["vertices"] += corners
+                boundaries.append([[first, first + 1, first + 2, first + 3]])
+            city["CityObjects"][name] = {"type": "Building", "geometry": [
+                {"type": "MultiSurface", "lod": "2", "boundaries": boundaries}]}
+        source, world = self.folder / "sealed.city.json", self.folder / "sealed"
+        source.write_text(json.dumps(city))
+        self.zonecast("bake", source, "-o", world, "--exterior")
+        left = json.loads((world / "bake.json").read_text())["left_out"][0]
+        self.assertEqual((left["what"], left["count"]), ("faces that can be seen from nowhere outside", 12))
+        self.zonecast("bake", source, "-o", world)
+        left = json.loads((world / "bake.json").read_text())["left_out"][0]
+        self.assertNotEqual(left["what"], "faces that can be seen from nowhere outside")
+
     def test_inspect_holds_a_world_against_the_thesis(self):
         """Its table 4.1, as published, and the leaf proxies of ours."""
         report = json.loads(self.zonecast("inspect", self.world, "--json"))

@@ -316,6 +316,7 @@ TEST_F(Bake, ExteriorLeavesOutWhatNobodySees) {
     const auto baked = bake_world(std::move(maker.scene), 0, options, folder_ / name);
     EXPECT_TRUE(baked.ok());
     EXPECT_EQ(baked->interior_faces, inner && exterior ? 12U : 0U);
+    EXPECT_EQ(baked->left_out.front().count == 12, inner && exterior);
     auto files = read_world(folder_ / name);
     EXPECT_EQ(files.erase(kWorldIndexName), 1U);  // counts the source's triangles
     return files;
