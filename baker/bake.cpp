@@ -10,6 +10,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -100,6 +101,9 @@ Status encode_node(const ProxyNode& source, std::span<const Material> materials,
   node.cell_y = source.cell_y;
   node.step_shift = source.proxy.step_shift;
   node.error_max_m = static_cast<float>(source.proxy.error.max_m);
+  // Still a bound when rounded.
+  if (static_cast<double>(node.error_max_m) < source.proxy.error.max_m)
+    node.error_max_m = std::nextafter(node.error_max_m, std::numeric_limits<float>::infinity());
   node.appearance_error_m = static_cast<float>(source.proxy.error.appearance_m);
   node.error_mean_m = static_cast<float>(source.proxy.error.mean_m);
   node.normal_deviation_deg = static_cast<float>(source.proxy.error.normal_deviation_deg);

@@ -17,6 +17,8 @@
 namespace zc {
 namespace {
 
+constexpr std::size_t kFanFaces = 512;  // a vertex of more stays: each look at its collapses would go round all of them
+
 struct Traits : OpenMesh::DefaultTraits {
   using Point = OpenMesh::Vec3d;
   using Normal = OpenMesh::Vec3d;
@@ -151,8 +153,12 @@ LatticeMesh decimate(const LatticeMesh& mesh, const std::vector<bool>& locked, c
     ZC_CHECK(face.is_valid());
     half_edges.property(tag, face) = tag_of(mesh.faces[i]);
   }
+  std::vector<std::size_t> fan_faces(source.size());
+  for (const auto face : half_edges.faces())
+    for (Mesh::FaceVertexIter v(half_edges, face); v.is_valid(); ++v) ++fan_faces[static_cast<std::size_t>(v->idx())];
   for (std::size_t i = 0; i < source.size(); ++i)
-    if (locked[source[i]]) half_edges.status(Mesh::VertexHandle(static_cast<int>(i))).set_locked(true);
+    if (locked[source[i]] || fan_faces[i] > kFanFaces)
+      half_edges.status(Mesh::VertexHandle(static_cast<int>(i))).set_locked(true);
   half_edges.update_face_normals();
 
   {

@@ -4,13 +4,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <queue>
+#include <tuple>
 
 namespace zc {
 namespace {
 
 constexpr std::uint32_t kLeafTriangles = 4;
+constexpr std::size_t kPiecesPerTriangle = 4;  // at most, on average
+constexpr double kWaste = 8;                   // of a box, against a triangle's share of all boxes' surface
+constexpr int kTiedMost = 256;                 // triangles looked at for the best aligned
+constexpr double kAligned = 1 - 1e-9;          // nothing is better aligned
 
 glm::dvec3 to_dvec(const LatticePoint& p) { return {p[0], p[1], p[2]}; }
 
@@ -44,6 +51,80 @@ glm::dvec3 closest_on_triangle(const glm::dvec3& p, const glm::dvec3& a, const g
   return a + ab * (vb * scale) + ac * (vc * scale);
 }
 
+// Part of a triangle, with a box of its own: long ones that lie across the axes would fill the tree with boxes that
+// hold little of them (Ernst & Greiner 2007, "Early split clipping").
+struct Piece {
+  std::array<glm::dvec3, 3> corner;
+  LatticeBox box;
+  std::uint32_t triangle = 0;
+  double waste = 0;  // half of the box's surface beyond what a triangle along the axes would need
+
+  Piece(const std::array<glm::dvec3, 3>& corners, std::uint32_t of) : corner(corners), triangle(of) {
+    const auto add = [&](const glm::dvec3& p) {
+      box.add(
+          LatticePoint{static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y), static_cast<std::int32_t>(p.z)});
+    };
+    for (const glm::dvec3& p : corner) {
+      add(glm::floor(p));
+      add(glm::ceil(p));
+    }
+    const glm::dvec3 n = glm::abs(glm::cross(corner[1] - corner[0], corner[2] - corner[0]));
+    waste = half_surface(box) - (n.x + n.y + n.z);
+  }
+
+  static double half_surface(const LatticeBox& b) {
+    const glm::dvec3 size = to_dvec(b.max) - to_dvec(b.min);
+    return size.x * size.y + size.y * size.z + size.z * size.x;
+  }
+
+  bool operator<(const Piece& o) const {  // a queue's top wastes the most
+    if (waste != o.waste) return waste < o.waste;
+    if (triangle != o.triangle) return triangle < o.triangle;
+    return std::tie(box.min, box.max) < std::tie(o.box.min, o.box.max);
+  }
+};
+
+// Halves at the longest side of those that waste the most.
+std::vector<Piece> pieces_of(const LatticeMesh& mesh, const LatticeBox& bounds) {
+  std::vector<Piece> pieces;
+  const std::size_t count = mesh.faces.size();
+  const double bearable = kWaste * Piece::half_surface(bounds) / static_cast<double>(count);
+  std::priority_queue<Piece> wasteful;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto& v = mesh.faces[i].v;
+    const Piece piece({to_dvec(mesh.vertices[v[0]]), to_dvec(mesh.vertices[v[1]]), to_dvec(mesh.vertices[v[2]])}, i);
+    if (piece.waste > bearable) {
+      wasteful.push(piece);
+    } else {
+      pieces.push_back(piece);
+    }
+  }
+  while (!wasteful.empty()) {
+    const Piece piece = wasteful.top();
+    wasteful.pop();
+    if (piece.waste <= bearable || pieces.size() + wasteful.size() >= kPiecesPerTriangle * count) {
+      pieces.push_back(piece);
+      continue;
+    }
+    std::size_t longest = 0;
+    double length = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double side = glm::distance(piece.corner[k], piece.corner[(k + 1) % 3]);
+      if (side > length) {
+        longest = k;
+        length = side;
+      }
+    }
+    const glm::dvec3 middle = (piece.corner[longest] + piece.corner[(longest + 1) % 3]) * 0.5;
+    for (const std::size_t moved : {longest, (longest + 1) % 3}) {
+      auto half = piece.corner;
+      half[moved] = middle;
+      wasteful.emplace(half, piece.triangle);
+    }
+  }
+  return pieces;
+}
+
 }  // namespace
 
 double DistanceTriangle::distance(const glm::dvec3& p) const {
@@ -51,11 +132,9 @@ double DistanceTriangle::distance(const glm::dvec3& p) const {
 }
 
 DistanceBvh::DistanceBvh(const LatticeMesh& mesh, std::span<const std::uint16_t> looks) : bounds_(bounds_of(mesh)) {
-  const auto count = static_cast<std::uint32_t>(mesh.faces.size());
-  if (count == 0) return;
-  std::vector<LatticeBox> boxes(count);
-  for (std::uint32_t i = 0; i < count; ++i)
-    for (const std::uint32_t v : mesh.faces[i].v) boxes[i].add(mesh.vertices[v]);
+  if (mesh.faces.empty()) return;
+  const std::vector<Piece> pieces = pieces_of(mesh, bounds_);
+  const auto count = static_cast<std::uint32_t>(pieces.size());
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0U);
 
@@ -71,7 +150,7 @@ DistanceBvh::DistanceBvh(const LatticeMesh& mesh, std::span<const std::uint16_t>
     std::array<std::int64_t, 3> low = {INT64_MAX, INT64_MAX, INT64_MAX};
     std::array<std::int64_t, 3> high = {INT64_MIN, INT64_MIN, INT64_MIN};
     for (std::uint32_t i = task.first; i < task.first + task.count; ++i) {
-      const LatticeBox& b = boxes[order[i]];
+      const LatticeBox& b = pieces[order[i]].box;
       box.add(b);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::int64_t center = std::int64_t{b.min[axis]} + b.max[axis];
@@ -97,8 +176,8 @@ DistanceBvh::DistanceBvh(const LatticeMesh& mesh, std::span<const std::uint16_t>
     const auto begin = order.begin() + task.first;
     const std::uint32_t half = task.count / 2;
     std::nth_element(begin, begin + half, begin + task.count, [&](std::uint32_t a, std::uint32_t b) {
-      const std::int64_t ca = std::int64_t{boxes[a].min[axis]} + boxes[a].max[axis];
-      const std::int64_t cb = std::int64_t{boxes[b].min[axis]} + boxes[b].max[axis];
+      const std::int64_t ca = std::int64_t{pieces[a].box.min[axis]} + pieces[a].box.max[axis];
+      const std::int64_t cb = std::int64_t{pieces[b].box.min[axis]} + pieces[b].box.max[axis];
       return ca != cb ? ca < cb : a < b;
     });
     const auto left = static_cast<std::uint32_t>(nodes_.size());
@@ -109,7 +188,7 @@ DistanceBvh::DistanceBvh(const LatticeMesh& mesh, std::span<const std::uint16_t>
   }
   triangles_.reserve(count);
   for (const std::uint32_t i : order) {
-    const LatticeFace& face = mesh.faces[i];
+    const LatticeFace& face = mesh.faces[pieces[i].triangle];
     const std::uint16_t look = looks.empty() ? std::uint16_t{0} : looks[face.material];
     const glm::dvec3 a = to_dvec(mesh.vertices[face.v[0]]);
     const glm::dvec3 ab = to_dvec(mesh.vertices[face.v[1]]) - a;
@@ -174,9 +253,10 @@ void DistanceBvh::nearest(const glm::dvec3& p, std::uint64_t looks, double enoug
       });
 }
 
-double DistanceBvh::closest_of_look(const glm::dvec3& p, std::uint16_t look, double limit) const {
+double DistanceBvh::closest_of_look(const glm::dvec3& p, std::uint16_t look, double limit, double enough) const {
   visit_near(
-      p, [&] { return limit; }, [&](std::uint64_t bits) { return (bits & look_bit(look)) != 0; },
+      p, [&] { return limit > enough ? limit : -1.0; },
+      [&](std::uint64_t bits) { return (bits & look_bit(look)) != 0; },
       [&](const DistanceTriangle& t) {
         if (t.look == look) limit = std::min(limit, t.distance(p));
       });
@@ -194,18 +274,23 @@ std::uint64_t DistanceBvh::looks_within(const glm::dvec3& p, double radius) cons
 }
 
 void DistanceBvh::closest(const glm::dvec3& p, const glm::dvec3& normal, double tie, ClosestHit& best) const {
+  double nearest = best.distance;
   visit_near(
-      p, [&] { return best.distance + tie; }, [](std::uint64_t) { return true; },
+      p, [&] { return nearest > tie / 2 ? nearest : -1.0; }, [](std::uint64_t) { return true; },
+      [&](const DistanceTriangle& t) { nearest = std::min(nearest, t.distance(p)); });
+  if (nearest < best.distance - tie) best.alignment = -1;
+  best.distance = nearest;
+  // Where very many lie on top of each other, one of those that are looked at has to do.
+  int left = kTiedMost;
+  visit_near(
+      p, [&] { return left > 0 && best.alignment < kAligned ? nearest + tie : -1.0; },
+      [](std::uint64_t) { return true; },
       [&](const DistanceTriangle& t) {
-        const double distance = t.distance(p);
+        --left;
         const double alignment = std::abs(glm::dot(t.normal, normal));
-        const bool clearly_closer = distance < best.distance - tie;
-        const bool tied = distance <= best.distance + tie && alignment > best.alignment;
-        if (clearly_closer || tied) {
-          best.alignment = alignment;
-          best.material = t.material;
-        }
-        best.distance = std::min(best.distance, distance);
+        if (alignment <= best.alignment || t.distance(p) > nearest + tie) return;
+        best.alignment = alignment;
+        best.material = t.material;
       });
 }
 

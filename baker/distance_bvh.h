@@ -41,17 +41,18 @@ class DistanceBvh {
   [[nodiscard]] const LatticeBox& bounds() const { return bounds_; }
   [[nodiscard]] double distance_to_bounds(const glm::dvec3& p) const;
 
-  // Improves `best` (start with an infinite distance). Of triangles within `tie` steps of the closest, the one best
-  // aligned with `normal` wins: at an edge the closest point belongs to several.
+  // Improves `best` (start with an infinite distance); what is within `tie` / 2 steps is close enough. Of triangles
+  // within `tie` steps of the closest, the one best aligned with `normal` wins: at an edge the closest point belongs to
+  // several. Of very many, some are looked at.
   void closest(const glm::dvec3& p, const glm::dvec3& normal, double tie, ClosestHit& best) const;
 
-  // The closest triangle whose look is among the bits of `looks`, or any within `enough`; sets `distance`, or leaves both
-  // when none is nearer.
+  // The closest triangle whose look is among the bits of `looks`, or any within `enough`; sets `distance`, or leaves
+  // both when none is nearer.
   void nearest(const glm::dvec3& p, std::uint64_t looks, double enough, const DistanceTriangle*& triangle,
                double& distance) const;
 
-  // Distance to the closest triangle of `look`, or `limit` when none is nearer than that.
-  [[nodiscard]] double closest_of_look(const glm::dvec3& p, std::uint16_t look, double limit) const;
+  // Distance to the closest triangle of `look`, or to any within `enough`, or `limit` when none is nearer than that.
+  [[nodiscard]] double closest_of_look(const glm::dvec3& p, std::uint16_t look, double limit, double enough = 0) const;
 
   // Bits of all looks within `radius`.
   [[nodiscard]] std::uint64_t looks_within(const glm::dvec3& p, double radius) const;

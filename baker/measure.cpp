@@ -10,6 +10,8 @@
 #include <limits>
 #include <numbers>
 
+#include "baker/distance_bound.h"
+
 namespace zc {
 namespace {
 
@@ -97,10 +99,12 @@ ClosestHit closest_of(std::span<const DetailSurface> surfaces, const Sample& sam
   return best;
 }
 
-// Distance from p to the nearest surface of a look, or `limit`.
-double look_distance(std::span<const DetailSurface> surfaces, const glm::dvec3& p, std::uint16_t look, double limit) {
+// Distance from p to the nearest surface of a look, or to any within `enough`, or `limit`.
+double look_distance(std::span<const DetailSurface> surfaces, const glm::dvec3& p, std::uint16_t look, double limit,
+                     double enough) {
   for (const DetailSurface& surface : surfaces)
-    if (surface.bvh->distance_to_bounds(p) < limit) limit = surface.bvh->closest_of_look(p, look, limit);
+    if (limit > enough && surface.bvh->distance_to_bounds(p) < limit)
+      limit = surface.bvh->closest_of_look(p, look, limit, enough);
   return limit;
 }
 
@@ -126,9 +130,9 @@ void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> 
       const std::uint16_t look = looks[samples[i].material];
       const std::uint16_t seen = looks[hits[i].material];
       if (samples[i].is_vertex || look == seen) continue;
-      const double here = look_distance(own, samples[i].point, seen, std::numeric_limits<double>::infinity());
+      const double here = look_distance(own, samples[i].point, seen, std::numeric_limits<double>::infinity(), largest);
       if (here <= largest) continue;
-      appearance[i] = look_distance(surfaces, samples[i].point, look, here);
+      appearance[i] = look_distance(surfaces, samples[i].point, look, here, largest);
       if (!std::isfinite(appearance[i])) appearance[i] = hits[i].distance;
       largest = std::max(largest, appearance[i]);
     }
@@ -170,7 +174,8 @@ std::vector<std::uint16_t> look_classes(std::span<const Material> materials) {
 }
 
 SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurface> detail,
-                           std::span<const Material> materials, std::span<const std::uint16_t> looks, double step_m) {
+                           std::span<const Material> materials, std::span<const std::uint16_t> looks, double step_m,
+                           double promise_m) {
   std::vector<Sample> from_proxy;
   add_area_samples(proxy, area_of(proxy), sample_count(proxy.faces.size()), from_proxy);
   add_vertex_samples(proxy, kVerticesMax, from_proxy);
@@ -205,6 +210,10 @@ SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurfa
   compare(from_detail, detail, proxy_side, materials, looks, sums);
   SurfaceError error;
   const double count = static_cast<double>(std::max<std::size_t>(sums.count, 1));
+  const double promise = promise_m / step_m;
+  const double bound = bound_distance(proxy, detail, sums.max, promise);
+  for (const DetailSurface& surface : detail)
+    sums.max = std::max(sums.max, bound_distance(*surface.mesh, proxy_side, bound, promise));
   error.max_m = sums.max * step_m;
   error.appearance_m = sums.appearance * step_m;
   error.mean_m = sums.distance / count * step_m;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Measures a proxy against the full-detail surface below it, both ways, at deterministic area-stratified samples and
-// at vertices (Cignoni, Rocchini & Scopigno 1998, "Metro"). Thread-safe: no state.
+// at vertices (Cignoni, Rocchini & Scopigno 1998, "Metro"). The largest distance is a bound over all points, not only
+// over samples. Thread-safe: no state.
 #pragma once
 
 #include <span>
@@ -13,7 +14,7 @@
 namespace zc {
 
 struct SurfaceError {
-  double max_m = 0;
+  double max_m = 0;   // no point of either surface is farther from the other
   double mean_m = 0;  // over area samples of both surfaces
   double normal_deviation_deg =
       0;                   // largest, 0..90, of unsigned normals between an area sample and the closest surface
@@ -32,8 +33,9 @@ struct DetailSurface {
 // Class of each material: materials of one class are hard to tell apart.
 std::vector<std::uint16_t> look_classes(std::span<const Material> materials);
 
-// looks: look_classes(materials).
+// looks: look_classes(materials). promise_m: a bound of the distance that the proxy was made to keep; 0: none.
 SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurface> detail,
-                           std::span<const Material> materials, std::span<const std::uint16_t> looks, double step_m);
+                           std::span<const Material> materials, std::span<const std::uint16_t> looks, double step_m,
+                           double promise_m = 0);
 
 }  // namespace zc

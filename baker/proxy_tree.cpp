@@ -114,6 +114,9 @@ class Builder {
 
   ProxyTree collect() {
     ProxyTree out;
+    for (std::size_t i = 0; i < tree_.zones.size(); ++i)
+      if (tree_.zones[i].children.empty() && states_[i].detail.step_shift > 0)
+        out.lost_triangles += tree_.zones[i].detail.faces.size() - states_[i].detail.mesh.faces.size();
     std::vector<std::uint32_t> zone_of = {0};
     out.nodes.push_back(make_node(0, -1));
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {
@@ -136,9 +139,6 @@ class Builder {
         zone_of.push_back(child);
       }
     }
-    for (std::size_t i = 0; i < tree_.zones.size(); ++i)
-      if (tree_.zones[i].children.empty() && states_[i].leaves.empty())
-        out.lost_triangles += tree_.zones[i].detail.faces.size();
     for (const ZoneState& state : states_) {
       if (state.proxy || state.below.empty()) continue;
       ++out.left_out;

@@ -115,7 +115,8 @@ Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Prox
     out.step_shift = step_shift_for_box(bounds_of(out.mesh));
     round_to_step(out.mesh, out.step_shift);
   }
-  out.error = measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.looks, context.step_m);
+  out.error = measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.looks, context.step_m,
+                            context.error_m);
   return out;
 }
 

@@ -23,14 +23,16 @@ constexpr double kLeastArea = 0.25;     // squared length of a cross product: ha
 constexpr std::uint32_t kCoverPieces = 2000;
 constexpr std::uint32_t kCheckPieces = 20000;
 constexpr std::uint32_t kStarPieces = 100;
-constexpr double kStarNear = 0.1;          // of the tolerance
-constexpr double kStarMargin = 0.02;       // of that
-constexpr std::size_t kStarFaces = 512;    // what has more around it is not worth the time
+constexpr double kStarNear = 0.1;        // of the tolerance
+constexpr double kStarMargin = 0.02;     // of that
+constexpr std::size_t kStarFaces = 512;  // what has more around it is not worth the time
+constexpr std::size_t kFewTargets = 32;
+constexpr std::size_t kStarWork = 50000;   // nor is what takes more distances, with more faces than a few
 constexpr double kMargin = 0.5;            // of the tolerance
 constexpr double kLeastPiece = 0.03;       // of the tolerance
 constexpr double kSampleTolerance = 0.97;  // of the tolerance: a piece around a sample is then within it
 constexpr double kLookTolerance = 0.25;    // of the tolerance: narrower stripes may take the look beside them
-constexpr double kNear = 0.001;            // steps: no need to look for what is nearer still
+constexpr double kNear = 0.01;             // of the tolerance: no need to look for what is nearer still
 constexpr double kWide = 1;                // tolerances
 constexpr int kRounds = 6;
 
@@ -137,10 +139,15 @@ class Reference {
         add_sample(c[0] + (c[1] - c[0]) * u + (c[2] - c[0]) * v, f);
       }
     }
+    // Fans of long triangles have far more of edges than of area.
+    double length = 0;
+    for_each_edge(
+        edges_, [&](std::span<const Edge> edge) { length += glm::distance(point(edge[0].low), point(edge[0].high)); });
+    const double along = std::max(spacing, length / (kSamplesPerFace * static_cast<double>(mesh.faces.size())));
     for_each_edge(edges_, [&](std::span<const Edge> edge) {
       const glm::dvec3 a = point(edge[0].low);
       const glm::dvec3 ab = point(edge[0].high) - a;
-      const auto n = static_cast<int>(glm::length(ab) / spacing);
+      const auto n = static_cast<int>(glm::length(ab) / along);
       for (int i = 1; i <= n; ++i) add_sample(a + ab * (double(i) / (n + 1)), edge[0].face);
     });
   }
@@ -275,7 +282,7 @@ class Collapser {
   void push(Vertex u) {
     VertexState& from = vertices_[u];
     ++from.version;
-    if (locked_[u]) return;
+    if (locked_[u] || from.faces.size() > kStarFaces) return;
     neighbours_.clear();
     for (const Face f : from.faces)
       for (const Vertex v : faces_[f].v)
@@ -373,6 +380,9 @@ class Collapser {
     for (const Face f : moving_) add_target(f);
     for (const Face f : vertices_[v].faces)
       if (!vanishes(f)) add_target(f);
+    std::size_t samples = 0;
+    for (const Face f : vertices_[u].faces) samples += faces_[f].samples.size();
+    if (targets_.size() > kFewTargets && samples * targets_.size() > kStarWork) return false;
     for (const Face f : vertices_[u].faces) {
       for (const std::uint32_t s : faces_[f].samples) {
         const Sample& sample = reference_.samples()[s];
@@ -443,7 +453,7 @@ class Collapser {
                  [&](const glm::dvec3& p, double& distance) {
                    const DistanceTriangle* found = nullptr;
                    double near = tolerance;
-                   reference_.bvh().nearest(p, look, kNear, found, near);
+                   reference_.bvh().nearest(p, look, kNear * tolerance, found, near);
                    if (found != nullptr) distance = near;
                    return found;
                  });
@@ -516,7 +526,7 @@ bool add_samples_outside(Reference& reference, const LatticeMesh& result) {
     const Cover found = cover(corners_of(reference.mesh(), reference.mesh().faces[f]), limits,
                               [&](const glm::dvec3& p, double& distance) {
                                 const DistanceTriangle* triangle = nullptr;
-                                bvh.nearest(p, kEveryLook, kNear, triangle, distance);
+                                bvh.nearest(p, kEveryLook, kNear * tolerance, triangle, distance);
                                 return triangle;
                               });
     if (found.within) continue;

@@ -62,7 +62,7 @@ struct NodeRecord {
   std::array<std::int32_t, 3> bounds_min =
       {};  // lattice, of the decoded geometry; children lie inside after growing by error
   std::array<std::int32_t, 3> bounds_max = {};
-  float error_max_m = 0;  // two-sided surface distance to the full-detail source, sampled
+  float error_max_m = 0;  // two-sided surface distance to the full-detail source, a bound
   float error_mean_m = 0;
   float normal_deviation_deg = 0;
   float color_error = 0;  // mean absolute linear RGB difference, 0..1
