@@ -67,8 +67,9 @@ std::optional<std::optional<Proxy>> decode_entry(std::span<const std::byte> byte
   if (bytes.size() != vertex_bytes + std::uint64_t{header.face_count} * kFaceBytes) return std::nullopt;
   if (header.stored == 0) return std::optional<Proxy>();
   if (header.face_count == 0 || header.step_shift > kStepShiftMost) return std::nullopt;
+  // Neither steps nor metres, which are no shorter, go beyond the lattice.
   for (const double number : header.numbers)
-    if (!std::isfinite(number) || number < 0) return std::nullopt;
+    if (!(number >= 0 && number <= 2.0 * kLatticeExtentMax)) return std::nullopt;
   Proxy proxy;
   const auto& n = header.numbers;
   proxy.error = {n[0], n[1], n[2], n[3], n[4]};
@@ -92,6 +93,8 @@ std::optional<std::optional<Proxy>> decode_entry(std::span<const std::byte> byte
     for (const std::uint32_t v : face.v)
       if (v >= header.vertex_count) return std::nullopt;
     if (face.material >= material_count) return std::nullopt;
+    const auto& at_vertex = proxy.mesh.vertices;
+    if (is_degenerate(at_vertex[face.v[0]], at_vertex[face.v[1]], at_vertex[face.v[2]])) return std::nullopt;
   }
   if (step_shift_for_box(bounds_of(proxy.mesh)) > header.step_shift) return std::nullopt;
   return std::optional<Proxy>(std::move(proxy));
