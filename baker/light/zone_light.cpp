@@ -112,7 +112,9 @@ class ZoneLight {
             double step_m)
       : mesh_(mesh), scene_(scene) {
     if (sun) sun_ = sun_direction(*sun);
-    if (!node.is_detail()) reach_m_ = node.error_max_m + static_cast<float>(step_m * std::exp2(node.step_shift));
+    // Cities have walls in layers, one closely before the other: what is lit is the outermost.
+    reach_m_ =
+        node.is_detail() ? kSameSurfaceM : node.error_max_m + static_cast<float>(step_m * std::exp2(node.step_shift));
     points_.reserve(mesh.vertices.size());
     for (const auto& q : mesh.vertices) {
       glm::vec3 p;
@@ -165,7 +167,6 @@ class ZoneLight {
 
   // Where rays start: on the outermost surface that the point stands for.
   [[nodiscard]] glm::vec3 start(const glm::vec3& p, const glm::vec3& normal) const {
-    if (reach_m_ == 0) return p + normal * scene_.bias_m();
     const float back = std::min(reach_m_, kSameSurfaceM);
     glm::vec3 from = p - normal * back;
     float left = back + reach_m_;
