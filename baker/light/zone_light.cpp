@@ -110,7 +110,7 @@ class ZoneLight {
  public:
   ZoneLight(const ZoneMesh& mesh, const NodeRecord& node, const LightScene& scene, const std::optional<SunAngles>& sun,
             double step_m)
-      : mesh_(mesh), scene_(scene) {
+      : mesh_(mesh), scene_(scene), step_m_(step_m * std::exp2(node.step_shift)) {
     if (sun) sun_ = sun_direction(*sun);
     // Cities have walls in layers, one closely before the other: what is lit is the outermost.
     reach_m_ =
@@ -133,9 +133,11 @@ class ZoneLight {
     areas_.resize(count);
     for (std::size_t t = 0; t < count; ++t) {
       const auto& [a, b, c] = mesh_.triangles[t];
-      normals_[t] = glm::cross(points_[b] - points_[a], points_[c] - points_[a]);
-      areas_[t] = glm::length(normals_[t]);
-      normals_[t] /= areas_[t];
+      // From the lattice: in floats the area of a needle far from the origin may come out as none.
+      const glm::dvec3 n = glm::cross(lattice(b) - lattice(a), lattice(c) - lattice(a));
+      const double length = glm::length(n);
+      normals_[t] = n / length;
+      areas_[t] = static_cast<float>(length * step_m_ * step_m_);
     }
     group_corners();
     groups_.resize(sample_.size());
@@ -155,6 +157,10 @@ class ZoneLight {
   }
 
  private:
+  [[nodiscard]] glm::dvec3 lattice(std::uint32_t vertex) const {
+    const auto& q = mesh_.vertices[vertex];
+    return {q[0], q[1], q[2]};
+  }
   static glm::vec3 inset(std::size_t k) {
     glm::vec3 b(kInset);
     b[static_cast<int>(k)] = 1 - 2 * kInset;
@@ -331,6 +337,7 @@ class ZoneLight {
 
   const ZoneMesh& mesh_;
   const LightScene& scene_;
+  double step_m_;  // of the zone
   std::optional<glm::vec3> sun_;
   float reach_m_ = 0;  // how far the city's surface may be
   std::vector<glm::vec3> points_;

@@ -210,7 +210,6 @@ class AdversarialBake : public ::testing::Test {
     options.threads = 2;
     options.leaf_triangles = leaf_triangles;
     options.reuse = false;
-    options.light = false;
     return bake_world(std::move(scene), 0, options, folder_ / "world");
   }
 
