@@ -41,12 +41,13 @@ inline std::uint64_t fuzz_seed() { return fuzz_setting("ZONECAST_FUZZ_SEED", 1);
 inline std::uint64_t fuzz_tries() { return fuzz_setting("ZONECAST_FUZZ_TRIES", 10000); }
 
 // Zones of every level and size, at most `count`, the first and the last node of the index among them.
-inline Result<BakedPages> bake_pages(std::size_t count) {
+inline Result<BakedPages> bake_pages(std::size_t count, BvhMethod method = BvhMethod::kAuto) {
   std::string pattern = (std::filesystem::temp_directory_path() / "zonecast-fuzz-XXXXXX").string();
   if (mkdtemp(pattern.data()) == nullptr) return Error{ErrorCode::kIo, "no temporary folder", pattern};
   const std::filesystem::path folder = pattern;
   BakeOptions options;
   options.leaf_triangles = 1200;
+  options.bvh.method = method;
   const auto load = [&]() -> Result<BakedPages> {
     ZC_ASSIGN(const BakeReport baked, bake_world(small_city(), 0, options, folder / "world"));
     ZC_ASSIGN(const std::unique_ptr<Source> source, open_directory_source(folder / "world"));

@@ -191,7 +191,7 @@ std::vector<std::array<PageView::Point, 3>> triangles_of(std::span<const std::ui
 constexpr long long kFixedBytes = 64 << 10U;  // models of the coder, messages
 
 TEST(CorruptBvhFile, IsAnErrorOrMakesASoundPageOfTheSameTriangles) {
-  Result<test::BakedPages> made = test::bake_pages(12);
+  Result<test::BakedPages> made = test::bake_pages(12, BvhMethod::kSbvh);
   ASSERT_TRUE(made.ok()) << made.error().describe();
   for (std::size_t z = 0; z < made->zones.size(); z += 2)
     ASSERT_NO_FATAL_FAILURE(dress(made->zones[z], made->pages[z], made->material_count));
