@@ -36,7 +36,8 @@ struct BakeOptions {
   std::optional<SunAngles> sun;    // what it lights and what it does not is stored too
   bool exterior = false;           // faces that nobody outside can see are dropped
   std::int32_t step_log2 = kDefaultStepLog2;
-  bool reuse = true;  // proxies of the world that is replaced, where what they were made of is the same; keeps them too
+  // Proxies and light of the world that is replaced, where what they were made of is the same; keeps them too.
+  bool reuse = true;
   // Called from any thread, one call at a time; fraction in 0..1.
   std::function<void(double fraction, std::string_view stage)> progress;
 };

@@ -6,11 +6,11 @@
 #include <glm/vec3.hpp>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <vector>
 
 #include "baker/distance_bvh.h"
 #include "baker/manifold_fans.h"
+#include "baker/union_find.h"
 
 namespace zc {
 namespace {
@@ -32,32 +32,21 @@ struct Components {
   std::vector<std::uint32_t> of_face;
 };
 
-std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 // Parts hang together by manifold edges: what edge collapse works on. Ground and objects are separate parts.
 Components find_components(const LatticeMesh& mesh) {
   const ManifoldFans fans = split_into_fans(mesh);
   const auto half = static_cast<std::uint32_t>(fans.source_vertex.size());
-  std::vector<std::uint32_t> parent(2 * std::size_t{half});
-  std::iota(parent.begin(), parent.end(), 0U);
+  UnionFind parts(2 * std::size_t{half});
   const auto key = [&](std::size_t face, std::size_t i) {
     return fans.face_fans[face][i] + (mesh.faces[face].ground ? half : 0U);
   };
-  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    for (std::size_t i = 1; i < 3; ++i) {
-      const std::uint32_t a = find_root(parent, key(f, 0));
-      const std::uint32_t b = find_root(parent, key(f, i));
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  }
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+    for (std::size_t i = 1; i < 3; ++i) parts.join(key(f, 0), key(f, i));
   Components out;
-  std::vector<std::uint32_t> number(parent.size(), UINT32_MAX);
+  std::vector<std::uint32_t> number(2 * std::size_t{half}, UINT32_MAX);
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     const LatticeFace& face = mesh.faces[f];
-    const std::uint32_t root = find_root(parent, key(f, 0));
+    const std::uint32_t root = parts.find(key(f, 0));
     if (number[root] == UINT32_MAX) {
       number[root] = static_cast<std::uint32_t>(out.list.size());
       out.list.emplace_back();

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "baker/light/light_scene.h"
 #include "baker/light/light_threads.h"
+#include "baker/union_find.h"
 
 namespace zc {
 namespace {
@@ -28,22 +28,16 @@ constexpr std::size_t kSidesAtOnce = 2048;
 // Sides of faces, 2 f in front and 2 f + 1 behind, and the open; those that are joined look into one space.
 class Spaces {
  public:
-  explicit Spaces(std::size_t faces) : parent_(2 * faces + 1) { std::iota(parent_.begin(), parent_.end(), 0U); }
+  explicit Spaces(std::size_t faces) : open_(static_cast<std::uint32_t>(2 * faces)), sets_(2 * faces + 1) {}
 
-  [[nodiscard]] std::uint32_t open() const { return static_cast<std::uint32_t>(parent_.size() - 1); }
-  std::uint32_t find(std::uint32_t side) {
-    while (parent_[side] != side) side = parent_[side] = parent_[parent_[side]];
-    return side;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::min(a, b)] = std::max(a, b);
-  }
-  bool is_open(std::uint32_t side) { return find(side) == open(); }
+  [[nodiscard]] std::uint32_t open() const { return open_; }
+  std::uint32_t find(std::uint32_t side) { return sets_.find(side); }
+  void join(std::uint32_t a, std::uint32_t b) { sets_.join(a, b); }
+  bool is_open(std::uint32_t side) { return find(side) == find(open_); }
 
  private:
-  std::vector<std::uint32_t> parent_;
+  std::uint32_t open_;
+  UnionFind sets_;
 };
 
 using Packet = std::array<glm::vec3, LightScene::kPacket>;

@@ -2,7 +2,8 @@
 #include "baker/manifold_fans.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "baker/union_find.h"
 
 namespace zc {
 namespace {
@@ -12,18 +13,6 @@ struct HalfEdge {
   std::uint32_t corner;  // where it starts: 3 * face + i
   bool forward;          // from the smaller vertex
 };
-
-std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
-void join(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
-  a = find_root(parent, a);
-  b = find_root(parent, b);
-  // The smaller index leads, so that the numbering does not depend on the order of joins.
-  parent[std::max(a, b)] = std::min(a, b);
-}
 
 std::uint32_t next_corner(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
@@ -41,21 +30,20 @@ ManifoldFans split_into_fans(const LatticeMesh& mesh) {
   std::sort(edges.begin(), edges.end(), [](const HalfEdge& l, const HalfEdge& r) {
     return l.edge != r.edge ? l.edge < r.edge : l.corner < r.corner;
   });
-  std::vector<std::uint32_t> parent(corner_count);
-  std::iota(parent.begin(), parent.end(), 0U);
+  UnionFind fans(corner_count);
   for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
     while (end < edges.size() && edges[end].edge == edges[begin].edge) ++end;
     if (end - begin != 2 || edges[begin].forward == edges[begin + 1].forward) continue;
     const std::uint32_t c = edges[begin].corner;
     const std::uint32_t d = edges[begin + 1].corner;
-    join(parent, c, next_corner(d));
-    join(parent, next_corner(c), d);
+    fans.join(c, next_corner(d));
+    fans.join(next_corner(c), d);
   }
   ManifoldFans out;
   std::vector<std::uint32_t> fan_of(corner_count);
   out.face_fans.resize(mesh.faces.size());
   for (std::uint32_t c = 0; c < corner_count; ++c) {
-    const std::uint32_t root = find_root(parent, c);
+    const std::uint32_t root = fans.find(c);
     if (root == c) {
       fan_of[c] = static_cast<std::uint32_t>(out.source_vertex.size());
       out.source_vertex.push_back(mesh.faces[c / 3].v[c % 3]);

@@ -6,7 +6,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <map>
-#include <numeric>
+
+#include "baker/union_find.h"
 
 namespace zc {
 namespace {
@@ -31,24 +32,6 @@ std::vector<Edge> sorted_edges(const LatticeMesh& mesh) {
   });
   return edges;
 }
-
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    // The smaller index leads, whatever the order of joins.
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 bool alike(const LatticeFace& a, const LatticeFace& b) { return a.material == b.material && a.ground == b.ground; }
 
