@@ -22,7 +22,7 @@
 namespace zc {
 namespace {
 
-constexpr std::size_t kLookAheadViews = 8;
+constexpr std::uint32_t kLookAheadViews = 8;
 constexpr std::size_t kSheetTiles = 12;
 // The host draws full detail wherever a third of a pixel at 720 lines would show the difference.
 constexpr double kHostTolerance = 0.0004;
@@ -248,10 +248,8 @@ class Session {
   std::vector<View> views_at(const CameraSample& sample) const {
     std::vector<View> views = {View{sample.eye}};
     if (!sample.name.empty()) return views;
-    for (std::size_t i = 1; i <= kLookAheadViews && options_.look_ahead_s > 0; ++i) {
-      const double ahead_s = options_.look_ahead_s * static_cast<double>(i) / kLookAheadViews;
-      views.push_back({eye_at(options_.path, sample.time_s + ahead_s)});
-    }
+    for (std::uint32_t i = 1; i <= kLookAheadViews && options_.look_ahead_s > 0; ++i)
+      views.push_back({eye_at(options_.path, sample.time_s + options_.look_ahead_s * i / kLookAheadViews), i});
     return views;
   }
 
@@ -314,9 +312,7 @@ class Session {
 
   Result<ReplayReport> finish() {
     report_.streaming = streamer_->statistics();
-    const auto optimal = streamer_->reloads_optimal();
-    report_.reloads_optimal_known = optimal.has_value();
-    report_.reloads_optimal = optimal.value_or(0);
+    report_.optimal = streamer_->optimal();
     report_.peak_rss_bytes = std::max(peak_rss_, peak_resident_set_bytes());
     for (std::size_t i = 0; i < kPassCount; ++i) report_.pass_ms[i] = median(pass_samples_[i]);
     report_.total_ms = median(total_samples_);

@@ -53,8 +53,7 @@ struct RayCounts {
 
 struct ReplayReport {
   StreamerStatistics streaming;
-  std::uint64_t reloads_optimal = 0;
-  bool reloads_optimal_known = false;
+  std::optional<OptimalPaging> optimal;
   std::uint64_t baseline_rss_bytes = 0;
   std::uint64_t peak_rss_bytes = 0;
   std::uint64_t host_bytes = 0;

@@ -3,6 +3,14 @@
 
 namespace zc {
 
+namespace {
+
+nlohmann::ordered_json percentiles(const LatencySummary& s) {
+  return {{"p50", s.p50_ms}, {"p95", s.p95_ms}, {"p99", s.p99_ms}, {"max", s.max_ms}};
+}
+
+}  // namespace
+
 nlohmann::ordered_json statistics_json(const ReplayReport& report) {
   const StreamerStatistics& s = report.streaming;
   nlohmann::ordered_json summary;
@@ -16,19 +24,29 @@ nlohmann::ordered_json statistics_json(const ReplayReport& report) {
   summary["zones_evicted"] = s.zones_evicted;
   summary["reloads"] = s.reloads;
   summary["reloads_optimal"] = nullptr;
-  if (report.reloads_optimal_known) summary["reloads_optimal"] = report.reloads_optimal;
+  if (report.optimal) summary["reloads_optimal"] = report.optimal->reloads;
+  summary["thrash"] = s.thrash;
   summary["wanted_level_fraction"] =
       s.frames == 0 ? 1.0 : static_cast<double>(s.wanted_level_frames) / static_cast<double>(s.frames);
-  summary["request_to_resident_ms"] = {{"p50", s.request_to_resident_ms.p50_ms},
-                                       {"p95", s.request_to_resident_ms.p95_ms},
-                                       {"p99", s.request_to_resident_ms.p99_ms},
-                                       {"max", s.request_to_resident_ms.max_ms}};
+  summary["request_to_resident_ms"] = percentiles(s.request_to_resident_ms);
+  nlohmann::ordered_json state_ms;
+  for (std::size_t i = 0; i < kLoadStateCount; ++i) state_ms[kLoadStateNames[i]] = percentiles(s.state_ms[i]);
+  summary["state_ms"] = std::move(state_ms);
+  summary["teleports"] = {{"count", s.teleports.count},
+                          {"unfinished", s.teleports.unfinished},
+                          {"to_target_ms", percentiles(s.teleports.to_target_ms)}};
   summary["requests"] = {{"issued", s.requests.issued},
                          {"completed", s.requests.completed},
                          {"cancelled", s.requests.cancelled},
                          {"failed", s.requests.failed},
                          {"retried", s.requests.retried}};
   summary["bytes_read"] = s.bytes_read;
+  summary["bytes_read_optimal"] = nullptr;
+  if (report.optimal) summary["bytes_read_optimal"] = report.optimal->bytes_read;
+  summary["prefetch"] = {
+      {"used_bytes", s.prefetch.used}, {"wasted_bytes", s.prefetch.wasted}, {"pending_bytes", s.prefetch.pending}};
+  summary["compactions"] = s.compactions;
+  summary["compacted_bytes"] = s.compacted_bytes;
   summary["rays"] = {{"total", report.rays.total}, {"screen", report.rays.screen},
                      {"proxy", report.rays.proxy}, {"proxy_coarse", report.rays.proxy_coarse},
                      {"sky", report.rays.sky},     {"lost", report.rays.lost}};

@@ -47,8 +47,9 @@ void SelectionTrace::record(std::span<const std::uint32_t> before, std::span<con
     words_[count_at] = static_cast<std::uint32_t>(changes);
 }
 
-std::uint64_t belady_reloads(std::span<const std::uint32_t> trace, std::span<const std::uint64_t> node_bytes,
-                             std::uint64_t budget_bytes) {
+OptimalPaging belady(std::span<const std::uint32_t> trace, std::span<const std::uint64_t> node_bytes,
+                     std::span<const std::uint64_t> read_bytes, std::uint64_t budget_bytes) {
+  ZC_CHECK(read_bytes.size() == node_bytes.size());
   // next_use[w]: word of the node's next addition after word w.
   std::vector<std::uint32_t> next_use(trace.size(), kNever);
   {
@@ -73,7 +74,7 @@ std::uint64_t belady_reloads(std::span<const std::uint32_t> trace, std::span<con
   std::vector<bool> cached(node_bytes.size());
   std::set<std::pair<std::uint32_t, std::uint32_t>> idle;  // cached and not selected: next use, node
   std::uint64_t used_bytes = 0;
-  std::uint64_t reloads = 0;
+  OptimalPaging optimal;
   for (std::size_t step = 0; step < trace.size(); step += trace[step] + 1) {
     const std::size_t end = step + 1 + trace[step];
     for (std::size_t w = step + 1; w < end; ++w) {
@@ -86,7 +87,8 @@ std::uint64_t belady_reloads(std::span<const std::uint32_t> trace, std::span<con
       } else {
         cached[node] = true;
         used_bytes += node_bytes[node];
-        if (loaded_before[node]) ++reloads;
+        optimal.bytes_read += read_bytes[node];
+        if (loaded_before[node]) ++optimal.reloads;
         loaded_before[node] = true;
       }
     }
@@ -97,7 +99,7 @@ std::uint64_t belady_reloads(std::span<const std::uint32_t> trace, std::span<con
       idle.erase(furthest);
     }
   }
-  return reloads;
+  return optimal;
 }
 
 }  // namespace zc

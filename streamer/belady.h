@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// How few reloads any eviction could have managed: the nodes that a replay used, frame by frame, kept as changes, and
-// Belady's rule (evict what is needed furthest in the future; Belady 1966) run over them with the whole future known.
-// Pages differ in size, for which the rule is a strong reference rather than a proven optimum. Threads: one.
+// How few reloads, and bytes read, any eviction could have managed: the nodes that a replay used, frame by frame, kept
+// as changes, and Belady's rule (evict what is needed furthest in the future; Belady 1966) run over them with the whole
+// future known. Pages differ in size, for which the rule is a strong reference rather than a proven optimum. Threads:
+// one.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "streamer/statistics.h"
 
 namespace zc {
 
@@ -29,12 +32,13 @@ class SelectionTrace {
   std::vector<std::uint32_t> words_;
 };
 
-// Reloads when every step's set must be resident in `budget_bytes`. `node_bytes`: pool bytes per node.
-[[nodiscard]] std::uint64_t belady_reloads(std::span<const std::uint32_t> trace,
-                                           std::span<const std::uint64_t> node_bytes, std::uint64_t budget_bytes);
+// When every step's set must be resident in `budget_bytes`. Per node: bytes in the pool, and those that loading it
+// reads.
+[[nodiscard]] OptimalPaging belady(std::span<const std::uint32_t> trace, std::span<const std::uint64_t> node_bytes,
+                                   std::span<const std::uint64_t> read_bytes, std::uint64_t budget_bytes);
 
-// What belady_reloads takes per node and per word of the trace.
-inline constexpr std::uint64_t kBeladyBytesPerNode = 96;
+// What belady() takes per node and per word of the trace.
+inline constexpr std::uint64_t kBeladyBytesPerNode = 104;
 inline constexpr std::uint64_t kBeladyBytesPerWord = 8;
 
 }  // namespace zc

@@ -1,41 +1,59 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "streamer/cover.h"
 
+#include <algorithm>
+
 #include "base/check.h"
 
 namespace zc {
-namespace {
 
-constexpr std::uint8_t kCovered = 1;    // by itself or below
-constexpr std::uint8_t kRefinable = 2;  // all children are covered
-constexpr std::uint8_t kReached = 4;    // no ancestor is shown
+Cover::Cover(const WorldIndex& index) : index_(index), resident_(index.nodes.size()), counts_(index.nodes.size()) {}
 
-}  // namespace
+void Cover::add(std::uint32_t node) {
+  ZC_CHECK(!resident(node));
+  const bool before = covered(node);
+  resident_[node] = 1;
+  if (node > 0) ++counts_[static_cast<std::size_t>(index_.nodes[node].parent)].resident_children;
+  if (!before) change_covered(node, true);
+}
 
-void compute_cover(const WorldIndex& index, std::span<const std::uint8_t> resident, std::span<std::uint8_t> scratch,
-                   std::vector<std::uint32_t>& cover) {
-  ZC_CHECK(resident.size() == index.nodes.size() && scratch.size() == index.nodes.size() && resident[0] != 0);
-  // Parents come before children in the index: one pass up, one pass down.
-  for (std::size_t n = index.nodes.size(); n-- > 0;) {
-    const NodeRecord& node = index.nodes[n];
-    bool refinable = node.child_count > 0;
-    for (std::size_t c = node.first_child; refinable && c < std::size_t{node.first_child} + node.child_count; ++c)
-      refinable = (scratch[c] & kCovered) != 0;
-    scratch[n] =
-        static_cast<std::uint8_t>((resident[n] != 0 || refinable ? kCovered : 0) | (refinable ? kRefinable : 0));
+void Cover::remove(std::uint32_t node) {
+  ZC_CHECK(resident(node));
+  resident_[node] = 0;
+  if (node > 0) --counts_[static_cast<std::size_t>(index_.nodes[node].parent)].resident_children;
+  if (!covered(node)) change_covered(node, false);
+}
+
+bool Cover::refinable(std::uint32_t node) const {
+  const std::uint32_t children = index_.nodes[node].child_count;
+  return children > 0 && counts_[node].covered_children == children;
+}
+
+// `node` has become covered, or no longer is: so may its ancestors.
+void Cover::change_covered(std::uint32_t node, bool to) {
+  while (node > 0) {
+    const auto parent = static_cast<std::uint32_t>(index_.nodes[node].parent);
+    const bool before = covered(parent);
+    counts_[parent].covered_children += to ? 1U : ~0U;
+    if (covered(parent) == before) return;
+    node = parent;
   }
-  cover.clear();
-  scratch[0] |= kReached;
-  for (std::uint32_t n = 0; n < index.nodes.size(); ++n) {
-    if ((scratch[n] & kReached) == 0) continue;
-    const NodeRecord& node = index.nodes[n];
-    if ((scratch[n] & kRefinable) == 0) {
-      cover.push_back(n);
-      continue;
-    }
-    for (std::size_t c = node.first_child; c < std::size_t{node.first_child} + node.child_count; ++c)
-      scratch[c] |= kReached;
+}
+
+void Cover::collect(std::vector<std::uint32_t>& cut) const {
+  ZC_CHECK(resident(0));
+  cut.clear();
+  visit(0, cut);
+  std::sort(cut.begin(), cut.end());
+}
+
+void Cover::visit(std::uint32_t node, std::vector<std::uint32_t>& cut) const {  // as deep as the tree
+  if (!refinable(node)) {
+    cut.push_back(node);
+    return;
   }
+  const NodeRecord& record = index_.nodes[node];
+  for (std::uint32_t c = record.first_child; c < record.first_child + record.child_count; ++c) visit(c, cut);
 }
 
 }  // namespace zc

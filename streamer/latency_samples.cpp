@@ -5,30 +5,40 @@
 #include <cmath>
 
 namespace zc {
+namespace {
+
+constexpr double kShortest_ms = 1.0 / (16 * 1024);
+
+}  // namespace
 
 void LatencySamples::add(double ms) {
   max_ms_ = std::max(max_ms_, ms);
-  if (seen_++ % stride_ != 0) return;
-  if (samples_ms_.size() == kCapacity) {
-    for (std::size_t i = 0; i < kCapacity / 2; ++i) samples_ms_[i] = samples_ms_[2 * i];
-    samples_ms_.resize(kCapacity / 2);
-    stride_ *= 2;
-    if ((seen_ - 1) % stride_ != 0) return;
+  ++samples_;
+  std::size_t bucket = 0;
+  if (ms > kShortest_ms) {
+    int octave = 0;
+    const double mantissa = std::frexp(ms / kShortest_ms, &octave);  // 0.5 to 1: exact, unlike a logarithm
+    const auto part = static_cast<std::size_t>((mantissa - 0.5) * 2 * kPerOctave);
+    bucket = std::min(static_cast<std::size_t>(octave - 1) * kPerOctave + part, counts_.size() - 1);
   }
-  samples_ms_.push_back(static_cast<float>(ms));
+  ++counts_[bucket];
 }
 
 LatencySummary LatencySamples::summary() const {
   LatencySummary out;
-  out.samples = seen_;
+  out.samples = samples_;
   out.max_ms = max_ms_;
-  if (samples_ms_.empty()) return out;
-  std::vector<float> sorted = samples_ms_;
-  std::sort(sorted.begin(), sorted.end());
   const auto rank = [&](double share) {
-    const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
-    const double ms = static_cast<double>(sorted[std::clamp<std::size_t>(at, 1, sorted.size()) - 1]);
-    return std::min(ms, max_ms_);  // samples are floats: one may have been rounded up
+    const auto wanted = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(samples_)));
+    std::uint64_t seen = 0;
+    for (std::size_t b = 0; b < counts_.size(); ++b) {
+      seen += counts_[b];
+      if (seen < std::max<std::uint64_t>(wanted, 1)) continue;
+      if (b + 1 == counts_.size()) break;  // the last one has no upper edge
+      const double edge = 1 + static_cast<double>(b % kPerOctave + 1) / kPerOctave;
+      return std::min(std::ldexp(kShortest_ms * edge, static_cast<int>(b / kPerOctave)), max_ms_);
+    }
+    return max_ms_;
   };
   out.p50_ms = rank(0.50);
   out.p95_ms = rank(0.95);

@@ -12,7 +12,7 @@ LoadWorkers::LoadWorkers(Source& source, const WorldIndex& index, unsigned threa
     : source_(source), index_(index), scratch_free_bytes_(scratch_bytes) {
   for (unsigned i = 0; i < std::max(threads, 1U); ++i) {
     try {
-      threads_.emplace_back([this] { work(); });
+      threads_.emplace_back([this, i] { work(i); });
     } catch (const std::system_error&) {  // the system has no more: go on with fewer
       if (threads_.empty()) throw;
       break;
@@ -45,7 +45,7 @@ bool LoadWorkers::cancel(std::uint64_t ticket) {
   return true;
 }
 
-LoadWorkers::Page LoadWorkers::take(std::uint64_t ticket) {
+LoadWorkers::Loaded LoadWorkers::take(std::uint64_t ticket) {
   std::unique_lock lock(mutex_);
   finished_.wait(lock, [&] { return results_.contains(ticket); });
   return std::move(results_.extract(ticket).mapped());
@@ -55,11 +55,11 @@ std::vector<std::uint64_t> LoadWorkers::done(bool wait) {
   std::unique_lock lock(mutex_);
   if (wait) finished_.wait(lock, [&] { return !results_.empty(); });
   std::vector<std::uint64_t> tickets;
-  for (const auto& [ticket, page] : results_) tickets.push_back(ticket);
+  for (const auto& [ticket, loaded] : results_) tickets.push_back(ticket);
   return tickets;
 }
 
-void LoadWorkers::work() {
+void LoadWorkers::work(unsigned worker) {
   std::unique_lock lock(mutex_);
   while (true) {
     queued_.wait(lock, [&] { return stop_ || !queue_.empty(); });
@@ -70,11 +70,14 @@ void LoadWorkers::work() {
     scratch_freed_.wait(lock, [&] { return scratch <= scratch_free_bytes_; });
     scratch_free_bytes_ -= scratch;
     lock.unlock();
-    Page page = load_page(source_, index_, job.node);
+    const Time taken_at = std::chrono::steady_clock::now();
+    Time read_at = taken_at;
+    Page page = load_page(source_, index_, job.node, &read_at);
+    const Time decoded_at = std::chrono::steady_clock::now();
     lock.lock();
     scratch_free_bytes_ += scratch;
     scratch_freed_.notify_all();
-    results_.emplace(job.ticket, std::move(page));
+    results_.emplace(job.ticket, Loaded{std::move(page), worker, taken_at, read_at, decoded_at});
     finished_.notify_all();
   }
 }

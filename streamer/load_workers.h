@@ -4,6 +4,7 @@
 // Borrows the source and the index, which outlive it. Threads: its methods are called from one thread.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -21,6 +22,15 @@ namespace zc {
 class LoadWorkers {
  public:
   using Page = Result<std::vector<std::uint32_t>>;
+  using Time = std::chrono::steady_clock::time_point;
+
+  struct Loaded {
+    Page page;
+    unsigned worker = 0;
+    Time taken_at;  // by the worker, scratch memory in hand
+    Time read_at;
+    Time decoded_at;
+  };
 
   // No job may need more than scratch_bytes.
   LoadWorkers(Source& source, const WorldIndex& index, unsigned threads, std::uint64_t scratch_bytes);
@@ -35,7 +45,7 @@ class LoadWorkers {
   bool cancel(std::uint64_t ticket);
 
   // Blocks until this job is done and hands over its result.
-  Page take(std::uint64_t ticket);
+  Loaded take(std::uint64_t ticket);
 
   // Jobs whose result waits to be taken, in rising order. `wait`: block until there is one.
   std::vector<std::uint64_t> done(bool wait);
@@ -45,7 +55,7 @@ class LoadWorkers {
     std::uint64_t ticket;
     std::uint32_t node;
   };
-  void work();
+  void work(unsigned worker);
 
   Source& source_;
   const WorldIndex& index_;
@@ -55,7 +65,7 @@ class LoadWorkers {
   std::condition_variable scratch_freed_;
   std::uint64_t scratch_free_bytes_;
   std::deque<Job> queue_;
-  std::map<std::uint64_t, Page> results_;
+  std::map<std::uint64_t, Loaded> results_;
   bool stop_ = false;
   std::vector<std::jthread> threads_;  // last: they use everything above
 };

@@ -2,7 +2,10 @@
 #include "streamer/memory_plan.h"
 
 #include <algorithm>
+#include <limits>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "streamer/belady.h"
 #include "streamer/page_loader.h"
@@ -11,18 +14,37 @@
 namespace zc {
 namespace {
 
-MemoryPlan fixed_part(const WorldIndex& index, bool include_detail) {
-  MemoryPlan plan;
-  const std::uint64_t nodes = index.nodes.size();
-  const auto pages = static_cast<std::uint64_t>(std::count_if(
-      index.nodes.begin(), index.nodes.end(), [&](const NodeRecord& node) { return pageable(node, include_detail); }));
-  plan.index_bytes = index.resident_bytes();
-  plan.state_bytes = kFixedStateBytes + nodes * kPagerBytesPerNode;
-  plan.top_level_bytes = pages * kTopLevelBytesPerNode;
-  return plan;
+constexpr std::uint64_t kBytesPerPage = kPagerBytesPerPage + kTopLevelBytesPerPage;
+
+std::uint64_t request_bytes(const NodeRecord& node) { return compressed_bytes(node) + node.page_bytes; }
+
+// Of the nodes that may be paged.
+struct PageSums {
+  std::uint64_t count = 0;
+  std::uint64_t pool_bytes = 0;
+  std::uint64_t smallest_pool_bytes = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t largest_scratch_bytes = 0;
+  std::uint64_t largest_request_bytes = 0;
+};
+
+PageSums sum_pages(const WorldIndex& index, bool include_detail) {
+  PageSums sums;
+  for (const NodeRecord& node : index.nodes) {
+    if (!include_detail && node.is_detail()) continue;
+    const std::uint64_t bytes = pool_bytes(node);
+    ++sums.count;
+    sums.pool_bytes += bytes;
+    sums.smallest_pool_bytes = std::min(sums.smallest_pool_bytes, bytes);
+    sums.largest_scratch_bytes = std::max(sums.largest_scratch_bytes, scratch_bytes(node));
+    sums.largest_request_bytes = std::max(sums.largest_request_bytes, request_bytes(node));
+  }
+  return sums;
 }
 
-std::uint64_t sum_fixed(const MemoryPlan& plan) { return plan.index_bytes + plan.state_bytes + plan.top_level_bytes; }
+// What is there whatever is loaded, with the root's share of what is kept per page.
+std::uint64_t fixed_bytes(const WorldIndex& index) {
+  return index.resident_bytes() + kFixedStateBytes + index.nodes.size() * kPagerBytesPerNode + kBytesPerPage;
+}
 
 // At most a sixteenth of what the smallest cap leaves goes to the trace.
 void plan_trace(std::uint64_t spare_bytes, std::uint64_t nodes, std::uint64_t limit_bytes, MemoryPlan& plan) {
@@ -33,27 +55,79 @@ void plan_trace(std::uint64_t spare_bytes, std::uint64_t nodes, std::uint64_t li
   plan.trace_bytes = per_node + plan.trace_words * (4 + kBeladyBytesPerWord);
 }
 
-}  // namespace
+// What one load may take.
+struct LoadRoom {
+  std::uint64_t scratch = 0;
+  std::uint64_t request = 0;
+};
 
-std::uint64_t request_bytes(const NodeRecord& node) { return compressed_bytes(node) + node.page_bytes; }
-
-bool loadable(const NodeRecord& node, const MemoryPlan& plan) {
-  return request_bytes(node) <= plan.in_flight_bytes && scratch_bytes(node) <= plan.scratch_bytes;
+// The room with which the most page bytes can be there: more of it lets larger pages be loaded, less of it leaves more
+// of `spare` to the pool. A page is of use only with its siblings, and below its parent. `least`: the root's.
+LoadRoom most_useful_room(const WorldIndex& index, bool include_detail, std::uint64_t spare, const LoadRoom& least) {
+  struct Family {  // a node's children
+    LoadRoom needs;
+    std::uint64_t bytes = 0;
+  };
+  const std::span<const NodeRecord> nodes = index.nodes;
+  std::vector<LoadRoom> needs(nodes.size());  // of a node with its siblings and all above it
+  std::vector<Family> families;
+  needs[0] = least;
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const NodeRecord& node = nodes[n];
+    if (node.child_count == 0 || (!include_detail && nodes[node.first_child].is_detail())) continue;
+    Family family{needs[n], 0};
+    for (const NodeRecord& child : nodes.subspan(node.first_child, node.child_count)) {
+      family.needs.scratch = std::max(family.needs.scratch, scratch_bytes(child));
+      family.needs.request = std::max(family.needs.request, request_bytes(child));
+      family.bytes += pool_bytes(child);
+    }
+    for (std::size_t c = node.first_child; c < std::size_t{node.first_child} + node.child_count; ++c)
+      needs[c] = family.needs;
+    families.push_back(family);
+  }
+  const auto sum = [](const LoadRoom& room) { return room.scratch + room.request; };
+  std::stable_sort(families.begin(), families.end(),
+                   [&](const Family& a, const Family& b) { return sum(a.needs) < sum(b.needs); });
+  LoadRoom room = least;
+  LoadRoom best = least;
+  std::uint64_t reached = 0;
+  std::uint64_t most = 0;
+  for (const Family& family : families) {
+    room = {std::max(room.scratch, family.needs.scratch), std::max(room.request, family.needs.request)};
+    const std::uint64_t more = sum(room) - sum(least);
+    if (more > spare) break;
+    reached += family.bytes;
+    if (std::min(reached, spare - more) <= most) continue;
+    most = std::min(reached, spare - more);
+    best = room;
+  }
+  return best;
 }
 
-bool pageable(const NodeRecord& node, bool include_detail) { return include_detail || !node.is_detail(); }
+// The largest pool that fits into `room` beside what is kept per page but the root's; all others may be of the smallest
+// size.
+std::uint64_t fit_pool(std::uint64_t room, std::uint64_t root_bytes, const PageSums& pages) {
+  const std::uint64_t more = (pages.count - 1) * kBytesPerPage;
+  const std::uint64_t small = (room - root_bytes) / (pages.smallest_pool_bytes + kBytesPerPage);
+  return std::max(root_bytes + small * pages.smallest_pool_bytes, room - std::min(room, more));
+}
 
-std::uint64_t smallest_cap_bytes(const WorldIndex& index, bool include_detail) {
+}  // namespace
+
+LoadLimits load_limits(const MemoryPlan& plan, bool include_detail) {
+  return {plan.in_flight_bytes, plan.scratch_bytes, include_detail};
+}
+
+std::uint64_t smallest_cap_bytes(const WorldIndex& index) {
   const NodeRecord& root = index.nodes[0];
-  const std::uint64_t running =
-      sum_fixed(fixed_part(index, include_detail)) + pool_bytes(root) + scratch_bytes(root) + request_bytes(root);
+  const std::uint64_t running = fixed_bytes(index) + pool_bytes(root) + scratch_bytes(root) + request_bytes(root);
   const std::uint64_t opening = 2 * index.resident_bytes();  // the file and what it is decoded to
   return std::max(running, opening);
 }
 
 Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& options) {
   const NodeRecord& root = index.nodes[0];
-  const std::uint64_t smallest = smallest_cap_bytes(index, options.include_detail);
+  const std::uint64_t smallest = smallest_cap_bytes(index);
   if (options.cap_bytes < smallest)
     return Error{ErrorCode::kBudget, "a cap of " + std::to_string(options.cap_bytes) +
                                          " bytes does not hold the root; the smallest cap that works is " +
@@ -62,42 +136,35 @@ Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& o
     return Error{ErrorCode::kBudget, "a pool of " + std::to_string(options.pool_limit_bytes) +
                                          " bytes does not hold the root's page of " + std::to_string(pool_bytes(root))};
 
-  MemoryPlan plan = fixed_part(index, options.include_detail);
+  const PageSums pages = sum_pages(index, options.include_detail);
+  MemoryPlan plan;
   plan_trace(options.cap_bytes - smallest, index.nodes.size(), options.trace_limit_bytes, plan);
-  const std::uint64_t room = options.cap_bytes - sum_fixed(plan) - plan.trace_bytes;
-  std::uint64_t scratch = scratch_bytes(root);
-  std::uint64_t request = request_bytes(root);
-  std::uint64_t spare = room - pool_bytes(root) - scratch - request;
+  const std::uint64_t room = options.cap_bytes - fixed_bytes(index) - plan.trace_bytes;
+  LoadRoom load{scratch_bytes(root), request_bytes(root)};
+  std::uint64_t spare = room - pool_bytes(root) - load.scratch - load.request;
+  const std::uint64_t before = load.scratch + load.request;
+  if (pages.largest_scratch_bytes + pages.largest_request_bytes - before <= spare / 8)
+    load = {pages.largest_scratch_bytes, pages.largest_request_bytes};
+  else
+    load = most_useful_room(index, options.include_detail, spare, load);
+  spare -= load.scratch + load.request - before;
 
-  // Scratch and a request for the most demanding node, as far as that takes no more than three quarters of what is
-  // spare; proxies before detail, which is left out first.
-  std::uint64_t all_pages = 0;
-  std::uint64_t growth_left = spare / 4 * 3;
-  for (const bool detail : {false, true}) {
-    for (const NodeRecord& node : index.nodes) {
-      if (node.is_detail() != detail || !pageable(node, options.include_detail)) continue;
-      all_pages += pool_bytes(node);
-      const std::uint64_t scratch_more = std::max(scratch, scratch_bytes(node)) - scratch;
-      const std::uint64_t request_more = std::max(request, request_bytes(node)) - request;
-      if (scratch_more + request_more > growth_left) continue;
-      growth_left -= scratch_more + request_more;
-      spare -= scratch_more + request_more;
-      scratch += scratch_more;
-      request += request_more;
-    }
-  }
   // Room for more than one at once: little of it while the pool cannot hold every page, for pages are what the cap is
   // for. The number of threads has no say: what is selected must not depend on it.
-  const std::uint64_t beyond_pages = spare - std::min(spare, all_pages);
-  scratch += std::min(3 * scratch, std::max(spare / 16, beyond_pages / 4));
-  const std::uint64_t requests =
-      request + std::min((std::max(1U, options.max_in_flight) - 1) * request, std::max(spare / 8, beyond_pages / 4));
+  const std::uint64_t beyond_pages = spare - std::min(spare, pages.pool_bytes + pages.count * kBytesPerPage);
+  const std::uint64_t scratch = load.scratch + std::min(3 * load.scratch, std::max(spare / 16, beyond_pages / 4));
+  const std::uint64_t requests = load.request + std::min((std::max(1U, options.max_in_flight) - 1) * load.request,
+                                                         std::max(spare / 8, beyond_pages / 4));
 
   constexpr std::uint64_t kAlign = 4 * kPageAlignWords;
   plan.scratch_bytes = scratch;
-  plan.pool_bytes = std::min({options.pool_limit_bytes, all_pages, room - scratch - requests}) / kAlign * kAlign;
-  plan.pool_bytes = std::max(plan.pool_bytes, pool_bytes(root));
-  plan.in_flight_bytes = room - plan.scratch_bytes - plan.pool_bytes;
+  const std::uint64_t fitting = fit_pool(room - scratch - requests, pool_bytes(root), pages);
+  plan.pool_bytes = std::min({options.pool_limit_bytes, pages.pool_bytes, fitting}) / kAlign * kAlign;
+  plan.pages = 1 + std::min(pages.count - 1, (plan.pool_bytes - pool_bytes(root)) / pages.smallest_pool_bytes);
+  plan.index_bytes = index.resident_bytes();
+  plan.state_bytes = kFixedStateBytes + index.nodes.size() * kPagerBytesPerNode + plan.pages * kPagerBytesPerPage;
+  plan.top_level_bytes = plan.pages * kTopLevelBytesPerPage;
+  plan.in_flight_bytes = room - plan.scratch_bytes - plan.pool_bytes - (plan.pages - 1) * kBytesPerPage;
   return plan;
 }
 

@@ -11,8 +11,8 @@
 namespace zc {
 
 // The state that does not grow with the world: latency samples, queues, threads' stacks.
-inline constexpr std::uint64_t kFixedStateBytes = 512 << 10U;
-inline constexpr std::uint64_t kTopLevelBytesPerNode = 128;
+inline constexpr std::uint64_t kFixedStateBytes = 96 << 10U;
+inline constexpr std::uint64_t kTopLevelBytesPerPage = 128;
 
 struct MemoryPlan {
   std::uint64_t index_bytes = 0;
@@ -21,17 +21,13 @@ struct MemoryPlan {
   std::uint64_t trace_bytes = 0;  // record and what evaluating it takes
   std::uint64_t trace_words = 0;
   std::uint64_t pool_bytes = 0;
+  std::uint64_t pages = 0;            // that the pool holds at most
   std::uint64_t scratch_bytes = 0;    // shared by the workers
   std::uint64_t in_flight_bytes = 0;  // the rest: compressed bytes and decoded pages of requests
 };
 
-// Compressed bytes and decoded page of a request.
-[[nodiscard]] std::uint64_t request_bytes(const NodeRecord& node);
-
-// Whether a node can be loaded at all under this plan; one that cannot is never selected.
-[[nodiscard]] bool loadable(const NodeRecord& node, const MemoryPlan& plan);
-
-[[nodiscard]] bool pageable(const NodeRecord& node, bool include_detail);
+// What a node may need at most to be loaded under this plan.
+[[nodiscard]] LoadLimits load_limits(const MemoryPlan& plan, bool include_detail);
 
 // Fails with kBudget, naming the smallest cap that works.
 Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& options);

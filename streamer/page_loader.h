@@ -3,6 +3,7 @@
 // Threads: any, as far as the source allows.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <vector>
 
@@ -12,7 +13,9 @@
 
 namespace zc {
 
-Result<std::vector<std::uint32_t>> load_page(Source& source, const WorldIndex& index, std::uint32_t node);
+// `read_at`: set to when both files had been read, or the reading failed.
+Result<std::vector<std::uint32_t>> load_page(Source& source, const WorldIndex& index, std::uint32_t node,
+                                             std::chrono::steady_clock::time_point* read_at = nullptr);
 
 // Both files' bytes.
 [[nodiscard]] std::uint64_t compressed_bytes(const NodeRecord& node);

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 
+#include "streamer/cover.h"
 #include "streamer/ledger.h"
 #include "streamer/selection.h"
 
@@ -17,14 +18,15 @@ enum class NodePhase : std::uint8_t {
   kResident,
 };
 
+// All zero for a node that nothing ever asked for.
 struct NodeState {
-  std::uint64_t offset_words = 0;  // of a resident page
-  double retry_at_s = 0;           // after a failure, on the path's clock
-  std::uint32_t failures = 0;      // in a row
-  std::uint32_t resident_children = 0;
-  NodePhase phase = NodePhase::kAbsent;
-  bool loaded_before = false;
-  bool failed_before = false;
+  double retry_at_s;            // after a failure, on the path's clock
+  std::uint32_t evicted_frame;  // of the last eviction
+  std::uint16_t failures;       // in a row
+  std::uint8_t loaded_before : 1;
+  std::uint8_t failed_before : 1;
+  std::uint8_t prefetched : 1;  // loaded, or being loaded, before any camera asked for its level
+  NodePhase phase;
 };
 
 // A request, from issue until its result is taken.
@@ -32,8 +34,11 @@ struct Load {
   std::uint64_t ticket = 0;
   std::uint32_t node = 0;
   double issued_s = 0;
-  double done_s = 0;  // modelled, virtual clock
+  // On the modelled link, virtual clock: the bytes are on it from start to end, and here a latency later.
+  double start_s = 0;
+  double end_s = 0;
   std::chrono::steady_clock::time_point issued_at;
+  std::chrono::steady_clock::time_point cancelled_at;  // of a draining one
   Reservation compressed;
   Reservation decoded;
 };
@@ -44,9 +49,13 @@ struct Eviction {
   std::uint32_t node = 0;
 };
 
-// State; flags (resident, selected, loadable, cover scratch); id lists (previous selection, residents, cover and used
-// nodes, now and before); cover offsets; eviction heap; the selection's own.
-inline constexpr std::uint64_t kPagerBytesPerNode = sizeof(NodeState) + 4 + 6 * sizeof(std::uint32_t) +
-                                                    sizeof(std::uint64_t) + sizeof(Eviction) + kSelectionBytesPerNode;
+// Per node of the world: state, whether it is selected, its place in the pool, what the cover counts.
+inline constexpr std::uint64_t kPagerBytesPerNode =
+    sizeof(NodeState) + 1 + sizeof(std::uint32_t) + Cover::kBytesPerNode;
+
+// Per page that can be there at once: id lists (previous selection, residents, prefetched, cover and used nodes, now
+// and before); cover offsets; eviction heap; the selection's own.
+inline constexpr std::uint64_t kPagerBytesPerPage =
+    7 * sizeof(std::uint32_t) + sizeof(std::uint64_t) + sizeof(Eviction) + kSelectionBytesPerNode;
 
 }  // namespace zc

@@ -14,7 +14,8 @@ std::uint64_t aligned_words(std::uint64_t words) {
 
 PoolAllocator::PoolAllocator(std::uint64_t capacity_words)
     : capacity_words_(capacity_words / kPageAlignWords * kPageAlignWords) {
-  reset(0);
+  free_words_ = capacity_words_;
+  if (free_words_ > 0) holes_.emplace(0, free_words_);
 }
 
 std::optional<std::uint64_t> PoolAllocator::allocate(std::uint64_t words) {
@@ -53,12 +54,18 @@ void PoolAllocator::free(std::uint64_t offset_words, std::uint64_t words) {
   holes_.emplace_hint(next, offset_words, words);
 }
 
-void PoolAllocator::reset(std::uint64_t used_words) {
-  used_words = aligned_words(used_words);
-  ZC_CHECK(used_words <= capacity_words_);
-  holes_.clear();
-  free_words_ = capacity_words_ - used_words;
-  if (free_words_ > 0) holes_.emplace(used_words, free_words_);
+void PoolAllocator::take(std::uint64_t offset_words, std::uint64_t words) {
+  words = aligned_words(words);
+  auto hole = holes_.upper_bound(offset_words);
+  ZC_CHECK(words > 0 && hole != holes_.begin());
+  --hole;
+  const auto [begin, length] = *hole;
+  ZC_CHECK(words <= length && offset_words - begin <= length - words);
+  holes_.erase(hole);
+  if (offset_words > begin) holes_.emplace(begin, offset_words - begin);
+  const std::uint64_t rest = begin + length - offset_words - words;
+  if (rest > 0) holes_.emplace(offset_words + words, rest);
+  free_words_ -= words;
 }
 
 }  // namespace zc

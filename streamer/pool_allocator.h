@@ -17,8 +17,8 @@ class PoolAllocator {
   [[nodiscard]] std::optional<std::uint64_t> allocate(std::uint64_t words);
   void free(std::uint64_t offset_words, std::uint64_t words);
 
-  // After a compaction: [0, used_words) is taken, the rest is one hole.
-  void reset(std::uint64_t used_words);
+  // Takes words that lie in one hole.
+  void take(std::uint64_t offset_words, std::uint64_t words);
 
   [[nodiscard]] std::uint64_t capacity_words() const { return capacity_words_; }
   [[nodiscard]] std::uint64_t free_words() const { return free_words_; }

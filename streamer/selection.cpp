@@ -5,91 +5,115 @@
 #include <cmath>
 
 #include "base/check.h"
+#include "streamer/page_loader.h"
 
 namespace zc {
 namespace {
 
-double distance_m(const WorldIndex& index, const NodeRecord& node, const glm::dvec3& eye) {
-  const double step = index.step_m();
-  double squared = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto anchor = static_cast<double>(index.header.anchor[axis]);  // added as doubles: no overflow
-    const double low = (anchor + node.bounds_min[axis]) * step;
-    const double high = (anchor + node.bounds_max[axis]) * step;
-    const double at = eye[static_cast<glm::dvec3::length_type>(axis)];
-    const double away = std::max({low - at, at - high, 0.0});
-    squared += away * away;
-  }
-  return std::sqrt(squared);
-}
+class Selector {
+ public:
+  Selector(const WorldIndex& index, const SelectionQuery& query, Selection& selection)
+      : nodes_(index.nodes), query_(query), error_of_(index, query.views), out_(selection) {}
 
-bool can_refine(const WorldIndex& index, const SelectionQuery& query, std::uint32_t node) {
-  const NodeRecord& record = index.nodes[node];
-  if (record.child_count == 0) return false;
-  for (std::uint32_t c = record.first_child; c < record.first_child + record.child_count; ++c)
-    if (query.loadable[c] == 0) return false;
-  return true;
-}
-
-// Sorts the largest error to the front of a std::*_heap, the lower node first on ties.
-bool later(const Selection::Candidate& a, const Selection::Candidate& b) {
-  return a.error != b.error ? a.error < b.error : a.node > b.node;
-}
-
-// `ancestor_error`: the weighted error never grows on the way down.
-void push(const WorldIndex& index, const SelectionQuery& query, std::uint32_t node, double ancestor_error,
-          Selection& selection) {
-  if (!can_refine(index, query, node)) return;
-  const double path_error = std::min(ancestor_error, weighted_error(index, node, query.views));
-  // The previous selection is closed under ancestors, so a node has the bonus only where its parent has it too.
-  const bool refined = !query.previous.empty() && query.previous[index.nodes[node].first_child] != 0;
-  const double error = refined ? path_error * kRefinedBonus : path_error;
-  if (!(error > query.tolerance)) return;
-  selection.heap.push_back({error, path_error, node});
-  std::push_heap(selection.heap.begin(), selection.heap.end(), later);
-}
-
-void select_by_budget(const WorldIndex& index, const SelectionQuery& query, Selection& selection) {
-  selection.by_priority.assign(1, 0);
-  selection.bytes = pool_bytes(index.nodes[0]);
-  selection.heap.clear();
-  push(index, query, 0, INFINITY, selection);
-  while (!selection.heap.empty()) {
-    std::pop_heap(selection.heap.begin(), selection.heap.end(), later);
-    const Selection::Candidate worst = selection.heap.back();
-    selection.heap.pop_back();
-    const NodeRecord& record = index.nodes[worst.node];
-    std::uint64_t bytes = 0;
-    for (std::uint32_t c = record.first_child; c < record.first_child + record.child_count; ++c)
-      bytes += pool_bytes(index.nodes[c]);
-    if (bytes > query.budget_bytes - selection.bytes) continue;
-    selection.bytes += bytes;
-    for (std::uint32_t c = record.first_child; c < record.first_child + record.child_count; ++c) {
-      selection.by_priority.push_back(c);
-      push(index, query, c, worst.path_error, selection);
+  void run() {
+    out_.by_priority.assign(1, 0);
+    out_.bytes = pool_bytes(nodes_[0]);
+    out_.heap.clear();
+    if (!error_of_.empty()) push(0, {INFINITY, INFINITY});
+    while (!out_.heap.empty()) {
+      std::pop_heap(out_.heap.begin(), out_.heap.end(), later);
+      const Selection::Candidate worst = out_.heap.back();
+      out_.heap.pop_back();
+      const NodeRecord& record = nodes_[worst.node];
+      std::uint64_t bytes = 0;
+      bool admitted = true;
+      for (const NodeRecord& child : children(record)) {
+        admitted = admitted && query_.limits.admit(child);
+        bytes += pool_bytes(child);
+      }
+      if (!admitted || bytes > query_.budget_bytes - out_.bytes) continue;
+      out_.bytes += bytes;
+      for (std::uint32_t c = record.first_child; c < record.first_child + record.child_count; ++c) {
+        out_.by_priority.push_back(c);
+        push(c, {worst.path_weighted, worst.path_plain});
+      }
     }
   }
-}
 
-void collect_wanted(const WorldIndex& index, const SelectionQuery& query, Selection& selection) {
-  selection.wanted.clear();
-  // The heap's memory serves as a stack.
-  selection.heap.assign(1, {0, 0, 0});
-  while (!selection.heap.empty()) {
-    const std::uint32_t node = selection.heap.back().node;
-    selection.heap.pop_back();
-    const NodeRecord& record = index.nodes[node];
-    const bool refinable =
-        record.child_count > 0 && (query.include_detail || !index.nodes[record.first_child].is_detail());
-    if (!query.views.empty() && refinable && weighted_error(index, node, query.views.first(1)) > query.tolerance) {
-      for (std::uint32_t c = record.first_child; c < record.first_child + record.child_count; ++c)
-        selection.heap.push_back({0, 0, c});
-    } else {
-      selection.wanted.push_back(node);
-    }
+ private:
+  // Sorts the largest error to the front of a std::*_heap, the lower node first on ties.
+  static bool later(const Selection::Candidate& a, const Selection::Candidate& b) {
+    return a.error != b.error ? a.error < b.error : a.node > b.node;
   }
-  std::sort(selection.wanted.begin(), selection.wanted.end());
-}
+
+  [[nodiscard]] std::span<const NodeRecord> children(const NodeRecord& record) const {
+    return nodes_.subspan(record.first_child, record.child_count);
+  }
+
+  // `above`: errors never grow on the way down.
+  void push(std::uint32_t node, const ErrorMeter::Errors& above) {
+    const NodeRecord& record = nodes_[node];
+    if (record.child_count == 0) return;
+    const ErrorMeter::Errors own = error_of_(record);
+    const double weighted = std::min(above.weighted, own.weighted);
+    const double plain = std::min(above.plain, own.plain);
+    // The previous selection is closed under ancestors, so a node has the bonus only where its parent has it too.
+    const bool refined = !query_.previous.empty() && query_.previous[record.first_child] != 0;
+    const double bonus = refined ? kRefinedBonus : 1.0;
+    if (!(plain * bonus > query_.tolerance)) return;
+    out_.heap.push_back({weighted * bonus, weighted, plain, node});
+    std::push_heap(out_.heap.begin(), out_.heap.end(), later);
+  }
+
+  const std::span<const NodeRecord> nodes_;
+  const SelectionQuery& query_;
+  const ErrorMeter error_of_;
+  Selection& out_;
+};
+
+class WantedCounter {
+ public:
+  WantedCounter(const WorldIndex& index, std::span<const View> views, double tolerance, bool include_detail,
+                std::span<const std::uint8_t> resident)
+      : nodes_(index.nodes),
+        error_of_(index, views, true),
+        tolerance_(tolerance),
+        include_detail_(include_detail),
+        resident_(resident) {}
+
+  WantedCount run() {
+    visit(0);
+    return count_;
+  }
+
+ private:
+  void visit(std::uint32_t n) {  // as deep as the tree
+    const NodeRecord& node = nodes_[n];
+    const bool refinable = node.child_count > 0 && (include_detail_ || !nodes_[node.first_child].is_detail());
+    if (!refinable || error_of_.empty() || !(error_of_(node).plain > tolerance_)) {
+      add(resident_[n] != 0);
+      return;
+    }
+    const auto children = resident_.subspan(node.first_child, node.child_count);
+    if (std::find_if(children.begin(), children.end(), [](std::uint8_t r) { return r != 0; }) == children.end()) {
+      add(false);
+      return;
+    }
+    for (std::uint32_t c = node.first_child; c < node.first_child + node.child_count; ++c) visit(c);
+  }
+
+  void add(bool there) {
+    ++count_.nodes;
+    count_.missing += there ? 0 : 1;
+  }
+
+  const std::span<const NodeRecord> nodes_;
+  const ErrorMeter error_of_;
+  const double tolerance_;
+  const bool include_detail_;
+  const std::span<const std::uint8_t> resident_;
+  WantedCount count_;
+};
 
 }  // namespace
 
@@ -98,26 +122,61 @@ std::uint64_t pool_bytes(const NodeRecord& node) {
   return (node.page_bytes + kAlign - 1) / kAlign * kAlign;
 }
 
-double weighted_error(const WorldIndex& index, std::uint32_t node, std::span<const View> views) {
-  const NodeRecord& record = index.nodes[node];
-  const double error_m = record.visible_error_m();
-  double worst = 0;
-  double weight = 1;
+bool LoadLimits::admit(const NodeRecord& node) const {
+  return (include_detail || !node.is_detail()) && compressed_bytes(node) + node.page_bytes <= this->request_bytes &&
+         zc::scratch_bytes(node) <= this->scratch_bytes;
+}
+
+ErrorMeter::ErrorMeter(const WorldIndex& index, std::span<const View> views, bool now_only) : step_m_(index.step_m()) {
+  nearest_squared_ = kNearestDistance_m / step_m_ * (kNearestDistance_m / step_m_);
+  eyes_.reserve(views.size());
   for (const View& view : views) {
-    worst = std::max(worst, weight * error_m / std::max(distance_m(index, record, view.eye), kNearestDistance_m));
-    weight *= kLookAheadDecay;
+    if (now_only && view.steps_ahead != 0) continue;
+    Eye eye{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      eye.at[axis] = view.eye[static_cast<glm::dvec3::length_type>(axis)] / step_m_ -
+                     static_cast<double>(index.header.anchor[axis]);
+    double weight = 1;
+    for (std::uint32_t i = 0; i < view.steps_ahead; ++i) weight *= kLookAheadDecay;
+    eye.weight_squared = weight * weight;
+    eyes_.push_back(eye);
   }
-  return worst;
+}
+
+ErrorMeter::Errors ErrorMeter::operator()(const NodeRecord& node) const {
+  double most = 0;                                           // weight² over distance²
+  double nearest = std::numeric_limits<double>::infinity();  // distance²
+  for (const Eye& eye : eyes_) {
+    double squared = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double away =
+          std::max(std::max(node.bounds_min[axis] - eye.at[axis], eye.at[axis] - node.bounds_max[axis]), 0.0);
+      squared += away * away;
+    }
+    squared = std::max(squared, nearest_squared_);
+    nearest = std::min(nearest, squared);
+    most = std::max(most, eye.weight_squared / squared);
+  }
+  const double error = static_cast<double>(node.visible_error_m()) / step_m_;  // in lattice units, as the distances
+  return {error * std::sqrt(most), error / std::sqrt(nearest)};
+}
+
+double weighted_error(const WorldIndex& index, std::uint32_t node, std::span<const View> views) {
+  return ErrorMeter(index, views)(index.nodes[node]).weighted;
 }
 
 void select_nodes(const WorldIndex& index, const SelectionQuery& query, Selection& selection) {
-  ZC_CHECK(query.loadable.size() == index.nodes.size());
   ZC_CHECK(query.previous.empty() || query.previous.size() == index.nodes.size());
   ZC_CHECK(query.budget_bytes >= pool_bytes(index.nodes[0]));
-  select_by_budget(index, query, selection);
+  Selector(index, query, selection).run();
   selection.nodes = selection.by_priority;
   std::sort(selection.nodes.begin(), selection.nodes.end());
-  collect_wanted(index, query, selection);
+}
+
+WantedCount count_wanted(const WorldIndex& index, std::span<const View> views, double tolerance, bool include_detail,
+                         std::span<const std::uint8_t> resident) {
+  ZC_CHECK(resident.size() == index.nodes.size());
+  return WantedCounter(index, views, tolerance, include_detail, resident).run();
 }
 
 }  // namespace zc

@@ -3,16 +3,26 @@
 // Threads: pure, but the scratch it works in belongs to one caller · units: metres (CRS), bytes.
 //
 // Greedy refinement: the root is selected; the node with the largest weighted error whose children all fit in what is
-// left of the budget is refined next, and its children are selected together, until the error is within the tolerance.
-// The weighted error of a node is the largest, over the views, of visible_error_m() / distance, later views weighing
-// less, and never more than its parent's. A node that was refined in the previous selection counts 1.25 times.
+// left of the budget is refined next, and its children are selected together, until the error is within the tolerance
+// in every view, later ones too. The weighted error of a node is the largest, over the views, of visible_error_m() /
+// distance, later views weighing less, and never more than its parent's. A node that was refined in the previous
+// selection counts 1.25 times. Where the eye looks has no say: a mirror shows what is behind it.
+//
+// How good it is: of all sets that are closed under ancestors and siblings and fit the budget, none has a smaller
+// largest weighted error at its cut than the greedy one (to beat it, the node that did not fit would have to be
+// refined, and with it all that the greedy order refined before); with a previous selection, none by more than the
+// factor 1.25.
 //
 // Nothing oscillates at a fixed camera: refined nodes only gain, others only lose, and errors fall along every path, so
 // the greedy order keeps every refined node ahead of the same rivals, and each rival still finds too little room.
+//
+// The tree is looked at only below what is refined, so that the world's size has no say.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -20,11 +30,13 @@
 
 namespace zc {
 
+// One camera's view, now or later. Views of several cameras may come in any order.
 struct View {
-  glm::dvec3 eye = {};  // CRS metres
+  glm::dvec3 eye = {};            // CRS metres
+  std::uint32_t steps_ahead = 0;  // 0: now
 };
 
-inline constexpr double kLookAheadDecay = 0.9;  // weight of view i: kLookAheadDecay^i
+inline constexpr double kLookAheadDecay = 0.9;  // weight of a view: kLookAheadDecay^steps_ahead
 inline constexpr double kRefinedBonus = 1.25;   // the dead band
 inline constexpr double kNearestDistance_m = 1.0;
 
@@ -32,36 +44,76 @@ inline constexpr double kNearestDistance_m = 1.0;
 inline constexpr std::uint64_t kPageAlignWords = 8;
 [[nodiscard]] std::uint64_t pool_bytes(const NodeRecord& node);
 
+// What a node may need at most to be loaded: one that needs more is never selected.
+struct LoadLimits {
+  std::uint64_t request_bytes = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t scratch_bytes = std::numeric_limits<std::uint64_t>::max();
+  bool include_detail = false;  // full detail, too
+
+  [[nodiscard]] bool admit(const NodeRecord& node) const;
+};
+
 struct SelectionQuery {
-  std::span<const View> views = {};             // the current one first
-  std::span<const std::uint8_t> loadable = {};  // per node: 0 when it may never be selected (detail, too large to load)
+  std::span<const View> views = {};
+  LoadLimits limits = {};
   std::span<const std::uint8_t> previous = {};  // per node: selected by the previous call; empty for none
   std::uint64_t budget_bytes = 0;               // pool bytes, the root's included
   double tolerance = 0.002;
-  bool include_detail = false;  // whether `wanted` may ask for full detail
 };
 
 struct Selection {
   std::vector<std::uint32_t> by_priority;  // selected nodes, parents first, the most needed first
   std::vector<std::uint32_t> nodes;        // the same, sorted by id
-  std::vector<std::uint32_t> wanted;       // cut that the tolerance asks for at views[0], whatever the budget; by id
   std::uint64_t bytes = 0;                 // pool bytes of the selected nodes
 
   struct Candidate {
-    double error;
-    double path_error;
+    double error;  // weighted, with the bonus
+    double path_weighted;
+    double path_plain;
     std::uint32_t node;
   };
   std::vector<Candidate> heap;  // working memory, kept between calls
 };
 
-// visible_error_m() over distance, the largest over the views with their weights.
+// visible_error_m() over distance, the largest over the views.
+class ErrorMeter {
+ public:
+  struct Errors {
+    double weighted;  // views with their weights
+    double plain;     // all views alike
+  };
+
+  // Of the views, or of those that are now.
+  ErrorMeter(const WorldIndex& index, std::span<const View> views, bool now_only = false);
+  [[nodiscard]] Errors operator()(const NodeRecord& node) const;
+  [[nodiscard]] bool empty() const { return eyes_.empty(); }
+
+ private:
+  struct Eye {
+    std::array<double, 3> at;  // lattice units from the world's anchor
+    double weight_squared;
+  };
+  std::vector<Eye> eyes_;
+  double step_m_;
+  double nearest_squared_;  // lattice units
+};
+
+// ErrorMeter's, of one node.
 [[nodiscard]] double weighted_error(const WorldIndex& index, std::uint32_t node, std::span<const View> views);
 
 // Replaces `selection`. With no view only the root is selected.
 void select_nodes(const WorldIndex& index, const SelectionQuery& query, Selection& selection);
 
-// What select_nodes takes in memory at most, per node of the index.
-inline constexpr std::uint64_t kSelectionBytesPerNode = 3 * sizeof(std::uint32_t) + sizeof(Selection::Candidate);
+// What select_nodes takes in memory at most, per node that fits the budget.
+inline constexpr std::uint64_t kSelectionBytesPerNode = 2 * sizeof(std::uint32_t) + sizeof(Selection::Candidate);
+
+// The cut that the tolerance asks for now, whatever the budget. What is asked for below a node none of whose children
+// is resident counts as one node, so that the world's size has no say.
+struct WantedCount {
+  std::uint32_t nodes = 0;
+  std::uint32_t missing = 0;  // of those: not resident
+};
+[[nodiscard]] WantedCount count_wanted(const WorldIndex& index, std::span<const View> views, double tolerance,
+                                       bool include_detail, std::span<const std::uint8_t> resident);
 
 }  // namespace zc

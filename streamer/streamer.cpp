@@ -5,20 +5,23 @@
 #include <array>
 #include <chrono>
 #include <iterator>
+#include <limits>
 #include <string>
 #include <utility>
 
 #include "base/check.h"
 #include "streamer/belady.h"
-#include "streamer/cover.h"
 #include "streamer/event_log.h"
 #include "streamer/latency_samples.h"
 #include "streamer/ledger.h"
 #include "streamer/load_workers.h"
 #include "streamer/memory_plan.h"
 #include "streamer/page_loader.h"
+#include "streamer/page_pool.h"
 #include "streamer/pager_state.h"
-#include "streamer/pool_allocator.h"
+#include "streamer/prefetch_account.h"
+#include "streamer/teleports.h"
+#include "streamer/zeroed_array.h"
 
 namespace zc {
 namespace {
@@ -47,31 +50,23 @@ class Streamer::Impl {
         ledger_(std::move(ledger)),
         index_(std::move(index)),
         plan_(plan),
-        pool_(plan.pool_bytes / 4),
+        limits_(load_limits(plan, options.include_detail)),
+        nodes_(index_.nodes.size()),
+        selected_(index_.nodes.size()),
+        pool_(index_, sink, plan.pool_bytes / 4, plan.pages),
+        prefetch_(index_, plan.pages),
         trace_(plan.trace_words) {
-    const std::size_t count = index_.nodes.size();
-    nodes_.resize(count);
-    resident_.resize(count);
-    selected_.resize(count);
-    loadable_.resize(count);
-    cover_scratch_.resize(count);
     // Reserved to their largest, so that none ever grows beyond what the ledger counts.
     for (std::vector<std::uint32_t>* list :
-         {&residents_, &previous_nodes_, &cover_, &previous_cover_, &used_, &previous_used_, &selection_.by_priority,
-          &selection_.nodes, &selection_.wanted})
-      list->reserve(count);
-    cover_offsets_.reserve(count);
-    evictions_.reserve(count);
-    selection_.heap.reserve(count);
+         {&previous_nodes_, &used_, &previous_used_, &selection_.by_priority, &selection_.nodes})
+      list->reserve(plan.pages);
+    evictions_.reserve(plan.pages);
+    selection_.heap.reserve(plan.pages);
     loads_.reserve(options_.max_in_flight);
-    for (std::size_t n = 0; n < count; ++n) {
-      const NodeRecord& node = index_.nodes[n];
-      loadable_[n] = n == 0 || (pageable(node, options_.include_detail) && loadable(node, plan));
-    }
   }
 
   Status start() {
-    ZC_TRY(reserve_fixed());
+    reserve_fixed();
     ZC_TRY(sink_.create(plan_.pool_bytes / 4));
     const NodeRecord& root = index_.nodes[0];
     const std::optional<Reservation> compressed = ledger_->try_reserve(LedgerClass::kInFlight, compressed_bytes(root));
@@ -85,7 +80,7 @@ class Streamer::Impl {
     stats_.bytes_read += compressed_bytes(root);
     selected_[0] = 1;
     previous_nodes_.assign(1, 0);
-    update_cover();
+    pool_.update_cover();
     workers_ = std::make_unique<LoadWorkers>(source_, index_, options_.threads, plan_.scratch_bytes);
     return {};
   }
@@ -93,23 +88,25 @@ class Streamer::Impl {
   Status advance(std::span<const View> views, double time_s) {
     ++frame_;
     time_s_ = time_s;
-    views_ = views;
+    error_of_.emplace(index_, views);
+    error_now_.emplace(index_, views, true);
     stats_.frame = {};
     stats_.frame.time_s = time_s;
     evictions_valid_ = false;
+    uploaded_bytes_ = 0;
+    teleports_.begin_frame(views, time_s);
 
     // With the previous selection still in force: what is in flight belongs to it, so there is room for it.
     bool any = false;
     ZC_TRY(complete(any));
-    select();
+    select(views);
     do {
       any = issue();
       ZC_TRY(complete(any));
     } while (any);
-    update_cover();
+    pool_.update_cover();
     record_trace();
-    views_ = {};
-    count_frame();
+    count_frame(views);
     return {};
   }
 
@@ -120,31 +117,35 @@ class Streamer::Impl {
     out.ledger = ledger_->total();
     for (std::size_t c = 0; c < kLedgerClassCount; ++c)
       out.ledger_classes[c] = ledger_->use(static_cast<LedgerClass>(c));
+    out.compactions = pool_.compactions();
+    out.compacted_bytes = pool_.compacted_bytes();
+    out.prefetch = prefetch_.bytes();
+    out.teleports = teleports_.statistics();
     out.request_to_resident_ms = latencies_.summary();
+    for (std::size_t s = 0; s < kLoadStateCount; ++s) out.state_ms[s] = states_[s].summary();
     out.event_log_xxh3 = events_.hash();
     return out;
   }
 
-  [[nodiscard]] std::optional<std::uint64_t> reloads_optimal() const {
+  [[nodiscard]] std::optional<OptimalPaging> optimal() const {
     if (!trace_.complete()) return std::nullopt;
-    std::vector<std::uint64_t> bytes;
-    bytes.reserve(index_.nodes.size());
-    for (const NodeRecord& node : index_.nodes) bytes.push_back(pool_bytes(node));
-    return belady_reloads(trace_.words(), bytes, plan_.pool_bytes);
+    std::vector<std::uint64_t> in_pool;
+    std::vector<std::uint64_t> read;
+    in_pool.reserve(index_.nodes.size());
+    read.reserve(index_.nodes.size());
+    for (const NodeRecord& node : index_.nodes) {
+      in_pool.push_back(pool_bytes(node));
+      read.push_back(compressed_bytes(node));
+    }
+    return belady(trace_.words(), in_pool, read, plan_.pool_bytes);
   }
 
   [[nodiscard]] const WorldIndex& index() const { return index_; }
   [[nodiscard]] std::uint64_t pool_words() const { return plan_.pool_bytes / 4; }
-  [[nodiscard]] std::span<const std::uint32_t> cover() const { return cover_; }
-  [[nodiscard]] std::uint64_t cover_generation() const { return cover_generation_; }
-  [[nodiscard]] bool resident(std::uint32_t node) const { return node < resident_.size() && resident_[node] != 0; }
-  [[nodiscard]] std::uint64_t page_offset_words(std::uint32_t node) const {
-    ZC_CHECK(resident(node));
-    return nodes_[node].offset_words;
-  }
+  [[nodiscard]] const PagePool& pool() const { return pool_; }
 
  private:
-  Status reserve_fixed() {
+  void reserve_fixed() {
     const std::array<std::pair<LedgerClass, std::uint64_t>, 6> parts = {{
         {LedgerClass::kIndex, plan_.index_bytes},
         {LedgerClass::kState, plan_.state_bytes},
@@ -158,20 +159,28 @@ class Streamer::Impl {
       ZC_CHECK(reservation);  // the plan fits by construction
       fixed_.push_back(std::move(*reservation));
     }
-    return {};
   }
 
-  [[nodiscard]] std::uint64_t page_words(std::uint32_t node) const { return index_.nodes[node].page_bytes / 4; }
+  void add_span(LoadState state, std::uint32_t node, unsigned worker, LoadWorkers::Time begin, LoadWorkers::Time end) {
+    states_[static_cast<std::size_t>(state)].add(std::chrono::duration<double, std::milli>(end - begin).count());
+    if (options_.observer != nullptr) options_.observer->on_span({state, node, worker, begin, end});
+  }
+
+  // What a worker did, and what came before it.
+  void add_spans(const Load& load, const LoadWorkers::Loaded& loaded) {
+    add_span(LoadState::kReserved, load.node, 0, load.issued_at, loaded.taken_at);
+    add_span(LoadState::kReading, load.node, loaded.worker, loaded.taken_at, loaded.read_at);
+    add_span(LoadState::kDecoding, load.node, loaded.worker, loaded.read_at, loaded.decoded_at);
+  }
 
   // --- what should be resident ---
 
-  void select() {
-    const SelectionQuery query = {.views = views_,
-                                  .loadable = loadable_,
-                                  .previous = selected_,
+  void select(std::span<const View> views) {
+    const SelectionQuery query = {.views = views,
+                                  .limits = limits_,
+                                  .previous = selected_.view(),
                                   .budget_bytes = plan_.pool_bytes,
-                                  .tolerance = options_.tolerance,
-                                  .include_detail = options_.include_detail};
+                                  .tolerance = options_.tolerance};
     select_nodes(index_, query, selection_);
     for (const std::uint32_t node : previous_nodes_) selected_[node] = 0;
     for (const std::uint32_t node : selection_.nodes) selected_[node] = 1;
@@ -181,6 +190,7 @@ class Streamer::Impl {
   }
 
   void cancel_unselected() {
+    bool any = false;
     for (std::size_t i = 0; i < loads_.size();) {
       Load& load = loads_[i];
       NodeState& node = nodes_[load.node];
@@ -188,19 +198,30 @@ class Streamer::Impl {
         ++i;
         continue;
       }
+      any = true;
       ++stats_.requests.cancelled;
       events_.record(frame_, EventKind::kCancel, load.node);
+      load.cancelled_at = std::chrono::steady_clock::now();
       const bool removed = workers_->cancel(load.ticket);
-      if (!removed && options_.clock == ClockKind::kWall) {
+      if (options_.clock == ClockKind::kVirtual) {
+        stats_.bytes_read += received_bytes(load);
+      } else if (!removed) {
         node.phase = NodePhase::kDraining;
         ++i;
         continue;
       }
       // Under the virtual clock what a worker happens to have begun must not show: wait for it, then drop it.
-      if (!removed) (void)workers_->take(load.ticket);
+      if (!removed) retire(load, workers_->take(load.ticket));
       node.phase = NodePhase::kAbsent;
       loads_.erase(loads_.begin() + static_cast<std::ptrdiff_t>(i));
     }
+    if (any && options_.clock == ClockKind::kVirtual) reschedule();
+  }
+
+  void retire(const Load& load, const LoadWorkers::Loaded& loaded) {
+    add_spans(load, loaded);
+    add_span(LoadState::kRetiring, load.node, 0, load.cancelled_at,
+             std::max(load.cancelled_at, std::chrono::steady_clock::now()));
   }
 
   // --- requests ---
@@ -222,13 +243,14 @@ class Streamer::Impl {
       load.ticket = next_ticket_++;
       load.node = n;
       load.issued_s = time_s_;
-      load.done_s = model_done_s(compressed_bytes(record));
       load.issued_at = std::chrono::steady_clock::now();
       load.compressed = std::move(*compressed);
       load.decoded = std::move(*decoded);
+      schedule(load);
       workers_->submit(load.ticket, n);
       loads_.push_back(std::move(load));
       node.phase = NodePhase::kLoading;
+      node.prefetched = prefetch_.asked_for(n, *error_now_, options_.tolerance) ? 0 : 1;
       any = true;
       ++stats_.requests.issued;
       if (node.failures > 0) ++stats_.requests.retried;
@@ -239,27 +261,53 @@ class Streamer::Impl {
   }
 
   // One link that carries one request after the other.
-  double model_done_s(std::uint64_t bytes) {
-    const double start_s = std::max(time_s_, link_free_s_);
+  void schedule(Load& load) {
     const double bandwidth = options_.source_bandwidth_bytes_per_s;
-    link_free_s_ = start_s + (bandwidth > 0 ? static_cast<double>(bytes) / bandwidth : 0.0);
-    return link_free_s_ + options_.source_latency_s;
+    const auto bytes = static_cast<double>(compressed_bytes(index_.nodes[load.node]));
+    load.start_s = std::max(time_s_, link_free_s_);
+    load.end_s = load.start_s + (bandwidth > 0 ? bytes / bandwidth : 0.0);
+    link_free_s_ = load.end_s;
   }
 
-  // Takes every result that is due; `any` becomes true when there was one.
+  // After some have left the link: those that were not on it yet move up.
+  void reschedule() {
+    link_free_s_ = time_s_;
+    for (const Load& load : loads_)
+      if (load.start_s < time_s_) link_free_s_ = std::max(link_free_s_, load.end_s);
+    for (Load& load : loads_)
+      if (load.start_s >= time_s_) schedule(load);
+  }
+
+  [[nodiscard]] double done_s(const Load& load) const { return load.end_s + options_.source_latency_s; }
+
+  // By now, of the modelled link.
+  [[nodiscard]] std::uint64_t received_bytes(const Load& load) const {
+    const std::uint64_t bytes = compressed_bytes(index_.nodes[load.node]);
+    const double since_s = time_s_ - options_.source_latency_s - load.start_s;
+    if (!(since_s > 0)) return 0;
+    const double takes_s = load.end_s - load.start_s;
+    if (since_s >= takes_s) return bytes;
+    return static_cast<std::uint64_t>(static_cast<double>(bytes) * since_s / takes_s);
+  }
+
+  // Takes every result that is due and within the frame's uploads; `any` becomes true when there was one.
   Status complete(bool& any) {
     if (options_.clock == ClockKind::kVirtual) {
       std::vector<std::pair<double, std::uint64_t>> due;  // at most max_in_flight
       for (const Load& load : loads_)
-        if (options_.settle || load.done_s <= time_s_) due.emplace_back(load.done_s, load.ticket);
+        if (options_.settle || done_s(load) <= time_s_) due.emplace_back(done_s(load), load.ticket);
       // Tickets rise with the modelled link's order, so they break ties.
       std::sort(due.begin(), due.end());
-      for (const auto& [done_s, ticket] : due) ZC_TRY(finish(ticket));
-      any = any || !due.empty();
+      for (const auto& [done_s, ticket] : due) {
+        if (!may_upload(ticket)) break;
+        ZC_TRY(finish(ticket));
+        any = true;
+      }
       return {};
     }
     do {
       for (const std::uint64_t ticket : workers_->done(options_.settle && !loads_.empty())) {
+        if (!may_upload(ticket)) break;
         ZC_TRY(finish(ticket));
         any = true;
       }
@@ -267,43 +315,58 @@ class Streamer::Impl {
     return {};
   }
 
-  Status finish(std::uint64_t ticket) {
-    LoadWorkers::Page page = workers_->take(ticket);
+  [[nodiscard]] std::vector<Load>::iterator find_load(std::uint64_t ticket) {
     const auto found = std::find_if(loads_.begin(), loads_.end(), [&](const Load& l) { return l.ticket == ticket; });
     ZC_CHECK(found != loads_.end());
+    return found;
+  }
+
+  // The first page of a frame always may, so that a page larger than the budget is not held up for ever.
+  [[nodiscard]] bool may_upload(std::uint64_t ticket) {
+    const std::uint64_t budget = options_.upload_bytes_per_frame;
+    const Load& load = *find_load(ticket);
+    return budget == 0 || options_.settle || uploaded_bytes_ == 0 || nodes_[load.node].phase == NodePhase::kDraining ||
+           uploaded_bytes_ + index_.nodes[load.node].page_bytes <= budget;
+  }
+
+  Status finish(std::uint64_t ticket) {
+    const LoadWorkers::Loaded loaded = workers_->take(ticket);
+    const auto found = find_load(ticket);
     const Load load = std::move(*found);
     loads_.erase(found);
     NodeState& node = nodes_[load.node];
+    stats_.bytes_read += compressed_bytes(index_.nodes[load.node]);
     if (node.phase == NodePhase::kDraining) {
+      retire(load, loaded);
       node.phase = NodePhase::kAbsent;
       return {};
     }
-    stats_.bytes_read += compressed_bytes(index_.nodes[load.node]);
-    if (!page.ok()) {
-      fail(load.node, page.error());
+    add_spans(load, loaded);
+    if (!loaded.page.ok()) {
+      fail(load.node, loaded.page.error());
       return {};
     }
     ++stats_.requests.completed;
     ++stats_.frame.loads;
     node.failures = 0;
     latencies_.add(latency_ms(load));
-    return make_resident(load.node, *page);
+    return make_resident(load.node, *loaded.page);
   }
 
   [[nodiscard]] double latency_ms(const Load& load) const {
-    if (options_.clock == ClockKind::kVirtual) return 1e3 * (std::max(time_s_, load.done_s) - load.issued_s);
+    if (options_.clock == ClockKind::kVirtual) return 1e3 * (std::max(time_s_, done_s(load)) - load.issued_s);
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - load.issued_at).count();
   }
 
   void fail(std::uint32_t n, const Error& error) {
     NodeState& node = nodes_[n];
     node.phase = NodePhase::kAbsent;
-    ++node.failures;
+    if (node.failures < std::numeric_limits<std::uint16_t>::max()) ++node.failures;
     node.retry_at_s = time_s_ + retry_delay_s(node.failures);
     ++stats_.requests.failed;
     events_.record(frame_, EventKind::kFail, n);
-    if (node.failed_before) return;
-    node.failed_before = true;
+    if (node.failed_before != 0) return;
+    node.failed_before = 1;
     ++stats_.failed_nodes;
     if (options_.on_failure) options_.on_failure(error);
   }
@@ -311,34 +374,30 @@ class Streamer::Impl {
   // --- the pool ---
 
   Status make_resident(std::uint32_t n, const std::vector<std::uint32_t>& page) {
-    const std::uint64_t words = page_words(n);
-    ZC_CHECK(page.size() == words);
-    while (pool_.free_words() < aligned_words(words)) evict_one();
-    std::optional<std::uint64_t> offset = pool_.allocate(words);
-    if (!offset) {
-      ZC_TRY(compact());
-      offset = pool_.allocate(words);
-    }
-    ZC_CHECK(offset);
-    ZC_TRY(sink_.upload(*offset, page));
+    const LoadWorkers::Time began = std::chrono::steady_clock::now();
+    while (!pool_.has_room_for(n)) evict_one();
+    const std::uint64_t compactions = pool_.compactions();
+    ZC_TRY(pool_.add(n, page));
+    if (pool_.compactions() != compactions) events_.record(frame_, EventKind::kCompact, 0);
+    add_span(LoadState::kUploading, n, 0, began, std::chrono::steady_clock::now());
+    uploaded_bytes_ += index_.nodes[n].page_bytes;
     NodeState& node = nodes_[n];
-    node.offset_words = *offset;
     node.phase = NodePhase::kResident;
-    resident_[n] = 1;
-    residents_.push_back(n);
-    resident_bytes_ += index_.nodes[n].page_bytes;
-    if (n > 0) ++nodes_[static_cast<std::size_t>(index_.nodes[n].parent)].resident_children;
+    if (node.prefetched != 0) prefetch_.loaded(n);
     ++stats_.zones_loaded;
-    if (node.loaded_before) ++stats_.reloads;
-    node.loaded_before = true;
-    pages_changed_ = true;
+    if (node.loaded_before != 0) {
+      ++stats_.reloads;
+      if (frame_ - node.evicted_frame <= kThrashFrames) ++stats_.thrash;
+    }
+    node.loaded_before = 1;
     events_.record(frame_, EventKind::kResident, n);
     return {};
   }
 
   void push_eviction(std::uint32_t n) {
-    if (n == 0 || resident_[n] == 0 || selected_[n] != 0 || nodes_[n].resident_children > 0) return;
-    evictions_.push_back({weighted_error(index_, static_cast<std::uint32_t>(index_.nodes[n].parent), views_), n});
+    const Cover& pages = pool_.nodes();
+    if (n == 0 || !pages.resident(n) || selected_[n] != 0 || pages.resident_children(n) > 0) return;
+    evictions_.push_back({(*error_of_)(index_.nodes[static_cast<std::size_t>(index_.nodes[n].parent)]).weighted, n});
     std::push_heap(evictions_.begin(), evictions_.end(), worse_eviction);
   }
 
@@ -347,7 +406,7 @@ class Streamer::Impl {
   void evict_one() {
     if (!evictions_valid_) {
       evictions_.clear();
-      for (const std::uint32_t n : residents_) push_eviction(n);
+      for (const std::uint32_t n : pool_.residents()) push_eviction(n);
       evictions_valid_ = true;
     }
     ZC_CHECK(!evictions_.empty());
@@ -356,74 +415,43 @@ class Streamer::Impl {
     evictions_.pop_back();
     NodeState& node = nodes_[n];
     node.phase = NodePhase::kAbsent;
-    resident_[n] = 0;
-    residents_.erase(std::find(residents_.begin(), residents_.end(), n));
-    resident_bytes_ -= index_.nodes[n].page_bytes;
-    pool_.free(node.offset_words, page_words(n));
-    const auto parent = static_cast<std::uint32_t>(index_.nodes[n].parent);
-    if (--nodes_[parent].resident_children == 0) push_eviction(parent);
+    node.evicted_frame = frame_;
+    pool_.remove(n);
+    if (node.prefetched != 0) prefetch_.evicted(n);
+    push_eviction(static_cast<std::uint32_t>(index_.nodes[n].parent));
     ++stats_.zones_evicted;
     ++stats_.frame.evictions;
-    pages_changed_ = true;
     events_.record(frame_, EventKind::kEvict, n);
   }
 
-  // Slides every page down, lowest first, so that the free words are one hole.
-  Status compact() {
-    std::sort(residents_.begin(), residents_.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return nodes_[a].offset_words < nodes_[b].offset_words; });
-    std::uint64_t end = 0;
-    for (const std::uint32_t n : residents_) {
-      NodeState& node = nodes_[n];
-      if (node.offset_words != end) ZC_TRY(sink_.move(node.offset_words, end, page_words(n)));
-      node.offset_words = end;
-      end += aligned_words(page_words(n));
-    }
-    pool_.reset(end);
-    ++stats_.compactions;
-    pages_changed_ = true;
-    events_.record(frame_, EventKind::kCompact, 0);
-    return {};
-  }
-
-  // --- what is shown and counted ---
-
-  void update_cover() {
-    if (!std::exchange(pages_changed_, false)) return;
-    std::swap(cover_, previous_cover_);
-    compute_cover(index_, resident_, cover_scratch_, cover_);
-    bool changed = cover_ != previous_cover_;
-    cover_offsets_.resize(cover_.size());
-    for (std::size_t i = 0; i < cover_.size(); ++i)
-      if (const std::uint64_t offset = nodes_[cover_[i]].offset_words;
-          std::exchange(cover_offsets_[i], offset) != offset)
-        changed = true;
-    if (changed) ++cover_generation_;
-  }
+  // --- what is counted ---
 
   // What was selected and there: an optimal eviction would have had to serve the same, in the same pool.
   void record_trace() {
     std::swap(used_, previous_used_);
     used_.clear();
     std::copy_if(selection_.nodes.begin(), selection_.nodes.end(), std::back_inserter(used_),
-                 [&](std::uint32_t n) { return resident_[n] != 0; });
+                 [&](std::uint32_t n) { return pool_.nodes().resident(n); });
     trace_.record(previous_used_, used_);
   }
 
-  void count_frame() {
+  void count_frame(std::span<const View> views) {
+    const WantedCount wanted =
+        count_wanted(index_, views, options_.tolerance, options_.include_detail, pool_.nodes().resident());
     FrameStatistics& frame = stats_.frame;
-    frame.resident_nodes = static_cast<std::uint32_t>(residents_.size());
-    frame.cover_nodes = static_cast<std::uint32_t>(cover_.size());
+    frame.resident_nodes = static_cast<std::uint32_t>(pool_.residents().size());
+    frame.cover_nodes = static_cast<std::uint32_t>(pool_.cover().size());
     frame.selected_nodes = static_cast<std::uint32_t>(selection_.nodes.size());
-    frame.wanted_nodes = static_cast<std::uint32_t>(selection_.wanted.size());
-    frame.missing_nodes = static_cast<std::uint32_t>(std::count_if(selection_.wanted.begin(), selection_.wanted.end(),
-                                                                   [&](std::uint32_t n) { return resident_[n] == 0; }));
+    frame.wanted_nodes = wanted.nodes;
+    frame.missing_nodes = wanted.missing;
     frame.in_flight = static_cast<std::uint32_t>(loads_.size());
     frame.ledger_bytes = ledger_->total().current_bytes;
-    frame.resident_page_bytes = resident_bytes_;
+    frame.resident_page_bytes = pool_.page_bytes();
     ++stats_.frames;
     if (frame.ledger_bytes > options_.cap_bytes) ++stats_.frames_over_cap;
     if (frame.missing_nodes == 0) ++stats_.wanted_level_frames;
+    teleports_.end_frame(frame.missing_nodes == 0);
+    prefetch_.settle(*error_now_, options_.tolerance);
   }
 
   Source& source_;
@@ -433,37 +461,33 @@ class Streamer::Impl {
   std::vector<Reservation> fixed_;
   const WorldIndex index_;
   const MemoryPlan plan_;
+  const LoadLimits limits_;
 
-  std::vector<NodeState> nodes_;
-  std::vector<std::uint8_t> resident_;
-  std::vector<std::uint8_t> selected_;
-  std::vector<std::uint8_t> loadable_;
-  std::vector<std::uint8_t> cover_scratch_;
-  std::vector<std::uint32_t> residents_;
+  ZeroedArray<NodeState> nodes_;
+  ZeroedArray<std::uint8_t> selected_;
   std::vector<std::uint32_t> previous_nodes_;
-  std::uint64_t resident_bytes_ = 0;
   Selection selection_;
-  PoolAllocator pool_;
+  PagePool pool_;
   std::vector<Eviction> evictions_;
   bool evictions_valid_ = false;
-  bool pages_changed_ = false;
 
-  std::vector<std::uint32_t> cover_;
-  std::vector<std::uint32_t> previous_cover_;
-  std::vector<std::uint64_t> cover_offsets_;
-  std::uint64_t cover_generation_ = 0;
   std::vector<std::uint32_t> used_;
   std::vector<std::uint32_t> previous_used_;
 
   std::uint32_t frame_ = 0;
   double time_s_ = 0;
   double link_free_s_ = 0;
-  std::span<const View> views_;
+  std::uint64_t uploaded_bytes_ = 0;  // in this frame
+  std::optional<ErrorMeter> error_of_;
+  std::optional<ErrorMeter> error_now_;
   std::vector<Load> loads_;
   std::uint64_t next_ticket_ = 1;
 
   StreamerStatistics stats_;
   LatencySamples latencies_;
+  std::array<LatencySamples, kLoadStateCount> states_;
+  Teleports teleports_;
+  PrefetchAccount prefetch_;
   EventLog events_;
   SelectionTrace trace_;
   std::unique_ptr<LoadWorkers> workers_;  // last: its threads stop first
@@ -492,11 +516,13 @@ Streamer::~Streamer() = default;
 Status Streamer::advance(std::span<const View> views, double time_s) { return impl_->advance(views, time_s); }
 const WorldIndex& Streamer::index() const { return impl_->index(); }
 std::uint64_t Streamer::pool_words() const { return impl_->pool_words(); }
-std::span<const std::uint32_t> Streamer::cover() const { return impl_->cover(); }
-std::uint64_t Streamer::cover_generation() const { return impl_->cover_generation(); }
-bool Streamer::resident(std::uint32_t node) const { return impl_->resident(node); }
-std::uint64_t Streamer::page_offset_words(std::uint32_t node) const { return impl_->page_offset_words(node); }
+std::span<const std::uint32_t> Streamer::cover() const { return impl_->pool().cover(); }
+std::uint64_t Streamer::cover_generation() const { return impl_->pool().cover_generation(); }
+bool Streamer::resident(std::uint32_t node) const {
+  return node < impl_->index().nodes.size() && impl_->pool().nodes().resident(node);
+}
+std::uint64_t Streamer::page_offset_words(std::uint32_t node) const { return impl_->pool().offset_words(node); }
 StreamerStatistics Streamer::statistics() const { return impl_->statistics(); }
-std::optional<std::uint64_t> Streamer::reloads_optimal() const { return impl_->reloads_optimal(); }
+std::optional<OptimalPaging> Streamer::optimal() const { return impl_->optimal(); }
 
 }  // namespace zc

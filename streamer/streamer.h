@@ -4,6 +4,7 @@
 // Per node: absent → reading (bytes reserved; a worker reads, verifies, decodes, assembles) → resident (in the pool)
 // → absent again when room is needed. A load that is no longer selected is cancelled and gives its bytes back; one that
 // fails is counted and tried again after 0.1, 0.4, 1.6 and then every 10 seconds of the path, while an ancestor covers.
+// Several cameras share it all: their views are one set, and a node counts for the camera that it matters to the most.
 //
 // Owns: index, ledger, worker threads · borrows: the source and the sink, which outlive it · threads: all methods on
 // one thread; the source is called from workers, the sink only inside open() and advance() · untrusted input: index and
@@ -11,7 +12,8 @@
 //
 // Virtual clock: a request takes the link when it is free, for bytes / bandwidth, plus the latency, and becomes
 // resident in the first advance() at or after that time, whatever the workers did: the event log is the same at any
-// thread count. Wall clock: a request becomes resident in the first advance() after a worker has finished it.
+// thread count. A cancelled request leaves the link at once, and those behind it move up. Wall clock: a request becomes
+// resident in the first advance() after a worker has finished it.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +24,7 @@
 
 #include "base/result.h"
 #include "streamer/page_sink.h"
+#include "streamer/paging_observer.h"
 #include "streamer/selection.h"
 #include "streamer/source.h"
 #include "streamer/statistics.h"
@@ -42,12 +45,14 @@ struct StreamerOptions {
   bool include_detail = false;                        // also page full-detail nodes (the host's G-buffer, references)
   bool settle = false;                                // advance() waits for every selected load (offline capture)
   unsigned max_in_flight = 16;                        // requests outstanding, independent of threads
-  std::uint64_t trace_limit_bytes = 1 << 20;          // record for reloads_optimal(); 0 records nothing
+  std::uint64_t upload_bytes_per_frame = 0;           // of pages, at least one page a frame; 0 is unlimited
+  std::uint64_t trace_limit_bytes = 1 << 20;          // record for optimal(); 0 records nothing
+  PagingObserver* observer = nullptr;                 // borrowed; outlives the streamer
   std::function<void(const Error&)> on_failure = {};  // once per node, on the calling thread
 };
 
 // The smallest cap under which a world opens: index, node state, the root's page and what loading it takes.
-[[nodiscard]] std::uint64_t smallest_cap_bytes(const WorldIndex& index, bool include_detail = false);
+[[nodiscard]] std::uint64_t smallest_cap_bytes(const WorldIndex& index);
 
 class Streamer {
  public:
@@ -58,7 +63,8 @@ class Streamer {
   Streamer(const Streamer&) = delete;
   Streamer& operator=(const Streamer&) = delete;
 
-  // One frame: `views` are the current view and look-ahead views in the order they will come; time_s never decreases.
+  // One frame: `views` are every camera's current view (the cameras always in the same order) and look-ahead views;
+  // time_s never decreases.
   // Fails only when the sink fails.
   Status advance(std::span<const View> views, double time_s);
 
@@ -74,9 +80,9 @@ class Streamer {
   [[nodiscard]] std::uint64_t page_offset_words(std::uint32_t node) const;
 
   [[nodiscard]] StreamerStatistics statistics() const;
-  // Reloads of Belady's eviction (furthest next use) in the same pool, for the nodes that were selected and resident in
-  // each frame so far; nothing when the trace outgrew its buffer or was not recorded.
-  [[nodiscard]] std::optional<std::uint64_t> reloads_optimal() const;
+  // What Belady's eviction (furthest next use) would have done in the same pool, for the nodes that were selected and
+  // resident in each frame so far; nothing when the trace outgrew its buffer or was not recorded.
+  [[nodiscard]] std::optional<OptimalPaging> optimal() const;
 
  private:
   class Impl;

@@ -73,7 +73,8 @@ Status check_tree(const std::vector<NodeRecord>& nodes, const std::string& path)
     const NodeRecord& parent = nodes[static_cast<std::size_t>(node.parent)];
     if (i < parent.first_child || i - parent.first_child >= parent.child_count)
       return fault("not among its parent's children");
-    if (node.depth < parent.depth) return fault("lies above its parent");
+    // So that whoever goes down the tree goes down kMaxDepth and one more at most.
+    if (node.depth < parent.depth + (node.is_detail() ? 0 : 1)) return fault("does not lie below its parent");
     if (node.is_detail() && (parent.is_detail() || parent.child_count != 1 || node.child_count != 0))
       return fault("a detail node must be the only child of a zone and have no children");
   }

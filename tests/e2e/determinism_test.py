@@ -49,7 +49,7 @@ class Determinism(support.Case):
             out = self.folder / f"paged{threads}"
             self.zonecast("replay", self.world(1), "--path", self.city / "drive.csv", "--no-render", "--clock",
                           "virtual", "--source-latency", "50ms", "--source-bandwidth", "20MB/s", "--cap",
-                          4 * smallest, "--threads", threads, "-o", out)
+                          6 * smallest, "--threads", threads, "-o", out)
             stats = support.read_stats(out)
             self.assertGreater(stats["zones_evicted"], 0, "the cap is not tight")
             self.assertEqual(stats["frames_over_cap"], 0)

@@ -8,7 +8,7 @@ namespace {
 
 using Ids = std::vector<std::uint32_t>;
 
-std::uint64_t reloads(const std::vector<Ids>& selections, const std::vector<std::uint64_t>& bytes,
+OptimalPaging optimum(const std::vector<Ids>& selections, const std::vector<std::uint64_t>& bytes,
                       std::uint64_t budget) {
   SelectionTrace trace(1000);
   Ids before;
@@ -17,7 +17,12 @@ std::uint64_t reloads(const std::vector<Ids>& selections, const std::vector<std:
     before = after;
   }
   EXPECT_TRUE(trace.complete());
-  return belady_reloads(trace.words(), bytes, budget);
+  return belady(trace.words(), bytes, bytes, budget);
+}
+
+std::uint64_t reloads(const std::vector<Ids>& selections, const std::vector<std::uint64_t>& bytes,
+                      std::uint64_t budget) {
+  return optimum(selections, bytes, budget).reloads;
 }
 
 TEST(Belady, matches_a_trace_worked_by_hand) {
@@ -33,6 +38,12 @@ TEST(Belady, counts_bytes_rather_than_pages) {
   // 2 takes two units: keeping it beside 0 and 3 is not possible in 3, keeping 1 is.
   EXPECT_EQ(reloads({{0, 1}, {0, 3}, {0, 1}}, {1, 1, 2, 1}, 3), 0U);
   EXPECT_EQ(reloads({{0, 2}, {0, 3}, {0, 2}}, {1, 1, 2, 1}, 3), 1U);
+}
+
+TEST(Belady, reads_every_page_once_and_again_at_each_reload) {
+  const std::vector<Ids> selections = {{0, 1}, {0, 2}, {0, 3}, {0, 1}, {0, 3}, {0, 2}};
+  EXPECT_EQ(optimum(selections, {1, 1, 1, 1}, 3).bytes_read, 5U);
+  EXPECT_EQ(optimum(selections, {1, 1, 1, 1}, 4).bytes_read, 4U);
 }
 
 TEST(SelectionTrace, frames_without_a_change_take_nothing_and_a_full_buffer_ends_it) {

@@ -41,19 +41,16 @@ WorldIndex make_index(std::uint32_t levels, std::uint32_t seed) {
 }
 
 struct Chooser {
-  explicit Chooser(const WorldIndex& world)
-      : index(world), loadable(world.nodes.size(), 1), previous(world.nodes.size()) {}
+  explicit Chooser(const WorldIndex& world) : index(world), previous(world.nodes.size()) {}
 
   const Selection& run(std::span<const View> views, std::uint64_t budget) {
-    select_nodes(index, {.views = views, .loadable = loadable, .previous = previous, .budget_bytes = budget},
-                 selection);
+    select_nodes(index, {.views = views, .previous = previous, .budget_bytes = budget}, selection);
     std::fill(previous.begin(), previous.end(), std::uint8_t{0});
     for (const std::uint32_t n : selection.nodes) previous[n] = 1;
     return selection;
   }
 
   const WorldIndex& index;
-  std::vector<std::uint8_t> loadable;
   std::vector<std::uint8_t> previous;
   Selection selection;
 };
@@ -95,7 +92,7 @@ TEST(Selection, at_a_fixed_camera_never_changes_again) {
       const View view{{random() % 1024, random() % 1024, 2}};
       chooser.run(std::span(&view, 1), 40000);
     }
-    const std::vector<View> views = {View{{random() % 1024, random() % 1024, 2}}, View{{random() % 1024, 500, 2}}};
+    const std::vector<View> views = {View{{random() % 1024, random() % 1024, 2}}, View{{random() % 1024, 500, 2}, 1}};
     const std::uint64_t budget = 3000 + random() % 100000;
     const std::vector<std::uint32_t> first = chooser.run(views, budget).nodes;
     for (int i = 0; i < 20; ++i) EXPECT_EQ(chooser.run(views, budget).nodes, first);
@@ -119,10 +116,10 @@ TEST(Selection, with_budget_enough_holds_every_wanted_node) {
   const WorldIndex index = make_index(5, 5);
   Chooser chooser(index);
   const View view{{300, 300, 2}};
-  const Selection& selection = chooser.run(std::span(&view, 1), 1ULL << 40U);
-  EXPECT_GT(selection.wanted.size(), 4U);
-  EXPECT_TRUE(
-      std::includes(selection.nodes.begin(), selection.nodes.end(), selection.wanted.begin(), selection.wanted.end()));
+  chooser.run(std::span(&view, 1), 1ULL << 40U);
+  const WantedCount wanted = count_wanted(index, std::span(&view, 1), 0.002, false, chooser.previous);
+  EXPECT_GT(wanted.nodes, 4U);
+  EXPECT_EQ(wanted.missing, 0U);
 }
 
 TEST(Selection, detail_is_selected_and_wanted_only_when_asked_for) {
@@ -133,35 +130,58 @@ TEST(Selection, detail_is_selected_and_wanted_only_when_asked_for) {
   index.nodes[0].first_child = 1;
   index.nodes[0].child_count = 1;
   const View view{{500, 500, 2}};
-  const std::vector<std::uint8_t> none = {1, 0};
-  const std::vector<std::uint8_t> all = {1, 1};
+  const std::vector<std::uint8_t> zone = {1, 0};
+  const std::vector<std::uint8_t> both = {1, 1};
   Selection selection;
-  select_nodes(index, {.views = std::span(&view, 1), .loadable = none, .budget_bytes = 1 << 20U}, selection);
+  select_nodes(index, {.views = std::span(&view, 1), .budget_bytes = 1 << 20U}, selection);
   EXPECT_EQ(selection.nodes, (std::vector<std::uint32_t>{0}));
-  EXPECT_EQ(selection.wanted, (std::vector<std::uint32_t>{0}));
-  select_nodes(index, {.views = std::span(&view, 1), .loadable = all, .budget_bytes = 1 << 20U, .include_detail = true},
+  EXPECT_EQ(count_wanted(index, std::span(&view, 1), 0.002, false, zone).missing, 0U);
+  select_nodes(index, {.views = std::span(&view, 1), .limits = {.include_detail = true}, .budget_bytes = 1 << 20U},
                selection);
   EXPECT_EQ(selection.nodes, (std::vector<std::uint32_t>{0, 1}));
-  EXPECT_EQ(selection.wanted, (std::vector<std::uint32_t>{1}));
+  EXPECT_EQ(count_wanted(index, std::span(&view, 1), 0.002, true, zone).missing, 1U);
+  EXPECT_EQ(count_wanted(index, std::span(&view, 1), 0.002, true, both).missing, 0U);
 }
 
-TEST(Cover, covers_every_leaf_exactly_once_with_resident_nodes) {
+std::vector<std::uint32_t> collected(const Cover& cover) {
+  std::vector<std::uint32_t> cut;
+  cover.collect(cut);
+  return cut;
+}
+
+TEST(Cover, covers_every_leaf_exactly_once_with_the_deepest_resident_nodes_after_any_changes) {
   const WorldIndex index = make_index(5, 1);
   std::mt19937 random(6);
-  std::vector<std::uint8_t> resident(index.nodes.size());
-  std::vector<std::uint8_t> scratch(index.nodes.size());
-  std::vector<std::uint32_t> cover;
+  Cover cover(index);
+  cover.add(0);
   for (int i = 0; i < 300; ++i) {
     const std::uint32_t share = static_cast<std::uint32_t>(random() % 10);
-    for (std::uint8_t& r : resident) r = random() % 10 < share ? 1 : 0;
-    resident[0] = 1;
-    compute_cover(index, resident, scratch, cover);
-    for (const std::uint32_t n : cover) EXPECT_EQ(resident[n], 1);
+    for (std::uint32_t n = 1; n < index.nodes.size(); ++n) {
+      const bool there = random() % 10 < share;
+      if (there == cover.resident(n)) continue;
+      if (there)
+        cover.add(n);
+      else
+        cover.remove(n);
+    }
+    const std::vector<std::uint32_t> cut = collected(cover);
+    std::vector<bool> covered(index.nodes.size());
+    for (std::uint32_t n = static_cast<std::uint32_t>(index.nodes.size()); n-- > 0;) {
+      const NodeRecord& node = index.nodes[n];
+      bool below = node.child_count > 0;
+      for (std::uint32_t c = node.first_child; c < node.first_child + node.child_count; ++c)
+        below = below && covered[c];
+      covered[n] = below || cover.resident(n);
+      if (below) {
+        EXPECT_FALSE(std::binary_search(cut.begin(), cut.end(), n));
+      }
+    }
+    for (const std::uint32_t n : cut) EXPECT_TRUE(cover.resident(n));
     for (std::uint32_t n = 0; n < index.nodes.size(); ++n) {
       if (index.nodes[n].child_count > 0) continue;
       int times = 0;
       for (std::int32_t a = static_cast<std::int32_t>(n); a >= 0; a = index.nodes[static_cast<std::size_t>(a)].parent)
-        times += std::binary_search(cover.begin(), cover.end(), static_cast<std::uint32_t>(a)) ? 1 : 0;
+        times += std::binary_search(cut.begin(), cut.end(), static_cast<std::uint32_t>(a)) ? 1 : 0;
       ASSERT_EQ(times, 1);
     }
   }
@@ -169,15 +189,12 @@ TEST(Cover, covers_every_leaf_exactly_once_with_resident_nodes) {
 
 TEST(Cover, a_broken_inner_node_does_not_hide_what_is_below_it) {
   const WorldIndex index = make_index(3, 1);
-  std::vector<std::uint8_t> resident(index.nodes.size(), 1);
-  resident[1] = 0;
-  std::vector<std::uint8_t> scratch(index.nodes.size());
-  std::vector<std::uint32_t> cover;
-  compute_cover(index, resident, scratch, cover);
-  EXPECT_EQ(cover.size(), 16U);
-  resident[index.nodes[1].first_child] = 0;
-  compute_cover(index, resident, scratch, cover);
-  EXPECT_EQ(cover, (std::vector<std::uint32_t>{0}));
+  Cover cover(index);
+  for (std::uint32_t n = 0; n < index.nodes.size(); ++n)
+    if (n != 1) cover.add(n);
+  EXPECT_EQ(collected(cover).size(), 16U);
+  cover.remove(index.nodes[1].first_child);
+  EXPECT_EQ(collected(cover), (std::vector<std::uint32_t>{0}));
 }
 
 }  // namespace

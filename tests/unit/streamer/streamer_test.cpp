@@ -37,7 +37,10 @@ constexpr int kFrames = 240;
 Status drive(Streamer& streamer, const std::function<void(int)>& each_frame = {}) {
   for (int f = 0; f < kFrames; ++f) {
     std::vector<View> views;
-    for (int ahead = 0; ahead < 4; ++ahead) views.push_back(view_at((f + 3.0 * ahead) / kFrames));
+    for (std::uint32_t ahead = 0; ahead < 4; ++ahead) {
+      views.push_back(view_at((f + 3.0 * ahead) / kFrames));
+      views.back().steps_ahead = ahead;
+    }
     ZC_TRY(streamer.advance(views, f / 30.0));
     if (each_frame) each_frame(f);
   }
@@ -136,9 +139,10 @@ TEST(Streamer, never_exceeds_its_cap_and_always_covers_the_world) {
     evicted += s.zones_evicted;
     compacted += s.compactions;
     cancelled += s.requests.cancelled;
-    const std::optional<std::uint64_t> optimal = (*streamer)->reloads_optimal();
+    const std::optional<OptimalPaging> optimal = (*streamer)->optimal();
     if (optimal) {
-      EXPECT_LE(*optimal, s.reloads);
+      EXPECT_LE(optimal->reloads, s.reloads);
+      EXPECT_LE(optimal->bytes_read, s.bytes_read);
     }
     if (std::getenv("ZONECAST_PRINT") != nullptr)
       std::printf(
@@ -146,7 +150,7 @@ TEST(Streamer, never_exceeds_its_cap_and_always_covers_the_world) {
           "cancelled %3llu wanted %3llu p50 %.0f p99 %.0f in flight %u\n",
           share, static_cast<unsigned long long>(s.pool_bytes), static_cast<unsigned long long>(s.zones_loaded),
           static_cast<unsigned long long>(s.zones_evicted), static_cast<unsigned long long>(s.reloads),
-          optimal ? static_cast<long long>(*optimal) : -1LL, static_cast<unsigned long long>(s.compactions),
+          optimal ? static_cast<long long>(optimal->reloads) : -1LL, static_cast<unsigned long long>(s.compactions),
           static_cast<unsigned long long>(s.requests.cancelled), static_cast<unsigned long long>(s.wanted_level_frames),
           s.request_to_resident_ms.p50_ms, s.request_to_resident_ms.p99_ms, s.max_in_flight);
   }
@@ -182,7 +186,9 @@ TEST(Streamer, without_latency_every_wanted_node_is_there_in_the_same_frame) {
   const StreamerStatistics s = (*streamer)->statistics();
   EXPECT_EQ(s.wanted_level_frames, s.frames);
   EXPECT_EQ(s.request_to_resident_ms.max_ms, 0.0);
-  EXPECT_EQ((*streamer)->reloads_optimal(), 0U);
+  ASSERT_TRUE((*streamer)->optimal());
+  EXPECT_EQ((*streamer)->optimal()->reloads, 0U);
+  EXPECT_EQ((*streamer)->optimal()->bytes_read, s.bytes_read);
 }
 
 TEST(Streamer, latency_and_bandwidth_are_those_of_the_model) {

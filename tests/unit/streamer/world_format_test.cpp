@@ -6,6 +6,7 @@
 #include <random>
 
 #include "shaders/shared/page_node.h"
+#include "streamer/cover.h"
 #include "streamer/streamer.h"
 #include "streamer/world_format/bvh_page.h"
 #include "streamer/world_format/page_view.h"
@@ -39,12 +40,18 @@ void rehash(std::vector<std::byte>& bytes) {
 // What a valid index promises to those who use it.
 void use_index(const WorldIndex& index) {
   EXPECT_GT(smallest_cap_bytes(index), 0U);
-  const std::vector<std::uint8_t> loadable(index.nodes.size(), 1);
   const std::vector<View> views(2);
   Selection selection;
-  select_nodes(index, {.views = views, .loadable = loadable, .budget_bytes = 1ULL << 40U, .tolerance = 1e-9},
+  select_nodes(index,
+               {.views = views, .limits = {.include_detail = true}, .budget_bytes = 1ULL << 40U, .tolerance = 1e-9},
                selection);
   EXPECT_LE(selection.nodes.size(), index.nodes.size());
+  Cover cover(index);
+  for (const std::uint32_t n : selection.nodes) cover.add(n);
+  EXPECT_LE(count_wanted(index, views, 1e-9, true, cover.resident()).missing, index.nodes.size());
+  std::vector<std::uint32_t> cut;
+  cover.collect(cut);
+  EXPECT_LE(cut.size(), selection.nodes.size());
 }
 
 TEST(WorldIndex, comes_back_as_it_was_written) {
