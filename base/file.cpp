@@ -34,15 +34,16 @@ class Descriptor {
 
 // path: the name that errors speak of.
 Status write_bytes(const std::filesystem::path& at, int flags, const std::filesystem::path& path,
-                   std::span<const std::byte> bytes) {
+                   std::span<const std::span<const std::byte>> parts) {
   Descriptor file(::open(at.c_str(), O_WRONLY | O_CLOEXEC | flags, 0644));
   if (file.get() < 0) return io_error(path, "cannot create");
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t put = ::write(file.get(), bytes.data() + done, bytes.size() - done);
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) return io_error(path, "cannot write");
-    done += static_cast<std::size_t>(put);
+  for (std::span<const std::byte> bytes : parts) {
+    while (!bytes.empty()) {
+      const ssize_t put = ::write(file.get(), bytes.data(), bytes.size());
+      if (put < 0 && errno == EINTR) continue;
+      if (put < 0) return io_error(path, "cannot write");
+      bytes = bytes.subspan(static_cast<std::size_t>(put));
+    }
   }
   if (!file.finish()) return io_error(path, "cannot write");
   return {};
@@ -85,10 +86,14 @@ Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, std:
 }
 
 Status write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  return write_file_parts(path, std::span(&bytes, 1));
+}
+
+Status write_file_parts(const std::filesystem::path& path, std::span<const std::span<const std::byte>> parts) {
   std::error_code failure;
   const std::filesystem::file_status status = std::filesystem::status(path, failure);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    return write_bytes(path, 0, path, bytes);  // a pipe or a device stays what it is; a folder cannot be opened so
+    return write_bytes(path, 0, path, parts);  // a pipe or a device stays what it is; a folder cannot be opened so
   }
   // What a link leads to is replaced, not the link.
   std::filesystem::path target = path;
@@ -96,7 +101,7 @@ Status write_file(const std::filesystem::path& path, std::span<const std::byte> 
     target = target.parent_path() / std::filesystem::read_symlink(target, failure);
   std::filesystem::path temporary = target;
   temporary += ".tmp" + std::to_string(::getpid());
-  if (Status written = write_bytes(temporary, O_CREAT | O_TRUNC, path, bytes); !written.ok()) {
+  if (Status written = write_bytes(temporary, O_CREAT | O_TRUNC, path, parts); !written.ok()) {
     ::unlink(temporary.c_str());
     return written;
   }

@@ -23,8 +23,10 @@ Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, std:
 Status read_range(const std::filesystem::path& path, std::uint64_t offset_bytes, std::span<std::byte> out);
 
 // Writes beside `path` under a temporary name, closes, renames: the file is whole or as it was, whatever kills the
-// process. Nothing is forced to the disk: a power cut may still undo it. What a link leads to is replaced, not the link;
-// pipes and devices are written to as they are.
+// process. Nothing is forced to the disk: a power cut may still undo it. What a link leads to is replaced, not the
+// link; pipes and devices are written to as they are.
 Status write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
+// The same of several parts, one after the other.
+Status write_file_parts(const std::filesystem::path& path, std::span<const std::span<const std::byte>> parts);
 
 }  // namespace zc

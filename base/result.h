@@ -18,6 +18,7 @@ enum class ErrorCode {
   kUnsupported,  // a valid input that zonecast does not handle
   kBudget,       // does not fit under the memory cap
   kDevice,       // the GPU or its driver refused
+  kTransient,    // a network or a server failed for now: the same may work later
 };
 
 struct Error {
@@ -25,6 +26,7 @@ struct Error {
   std::string message;            // the cause, one line, no full stop
   std::string path = {};          // file the fault lies in, empty when none
   std::int64_t byte_offset = -1;  // place in that file, negative when unknown
+  double retry_after_s = 0;       // when the cause asked not to be tried again sooner
 
   // "path:byte 12: cause", one line for a person.
   [[nodiscard]] std::string describe() const {

@@ -108,6 +108,7 @@ Result<Subject> open_subject(const SubjectOptions& o) {
   }
   if (!o.world.empty()) {
     WorldSceneOptions options;
+    options.source = o.source;
     if (subject.camera) options.camera = &*subject.camera;
     ZC_ASSIGN(options.offset_steps, lattice_point(offset_m, step_m));
     ZC_ASSIGN(subject.scene, load_world_scene(o.world, options));

@@ -16,6 +16,7 @@ namespace zc::bench {
 
 struct SubjectOptions {
   std::string world, triangles;                                 // at most one; neither: the generated city
+  SourceOptions source;                                         // of the world
   double size_km = 0.5;                                         // of that
   std::uint32_t leaf_triangles = BakeOptions{}.leaf_triangles;  // most of a zone; those of a world are as they are
   bool camera = false;                                          // whether to take one

@@ -14,6 +14,7 @@
 #include "replay/bench_subject.h"
 #include "replay/commands.h"
 #include "replay/progress.h"
+#include "replay/world_option.h"
 #include "shaders/shared/page_node.h"
 
 namespace zc {
@@ -27,6 +28,7 @@ using bench::TreeFigures;
 using bench::TreeLook;
 
 struct Arguments {
+  WorldOption world;
   bench::SubjectOptions subject;
   bool thesis = false;
   bench::BuildBenchOptions options;
@@ -243,9 +245,9 @@ Result<bench::BenchScene> thesis_scene(bench::BenchScene&& scene) {
 }
 
 Status run(const Arguments& a) {
-  if (a.thesis && !(a.subject.world.empty() && a.subject.triangles.empty()))
+  if (a.thesis && !(a.world.place.empty() && a.subject.triangles.empty()))
     return Error{ErrorCode::kArgument, "--thesis makes its own scene; leave out the world and --triangles"};
-  if (!a.subject.world.empty() && !a.subject.triangles.empty())
+  if (!a.world.place.empty() && !a.subject.triangles.empty())
     return Error{ErrorCode::kArgument, "a world and --triangles: one of them names the scene"};
   std::vector<Zone> zones;  // which the builders look at
   std::vector<TreeBuilder> builders;
@@ -262,6 +264,8 @@ Status run(const Arguments& a) {
   ZC_TRY(bench::check_builders(builders, a.options.engines));
 
   bench::SubjectOptions source = a.subject;
+  source.world = a.world.place;
+  ZC_ASSIGN(source.source, parse_source_options(a.world));
   if (a.thesis) {
     source.size_km = 3;
     source.leaf_triangles = 8000;
@@ -291,7 +295,7 @@ void add_bench_build(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "build", "Build the trees of the same zones with our builders and Embree's, and trace the same rays in each");
-  command->add_option("world", a->subject.world, "World: a folder or a .3tz archive; without it and --triangles: the generated city");
+  add_world_option(*command, a->world, "without it and --triangles: the generated city");
   command->add_option("--triangles", a->subject.triangles, "Raw floats, nine a triangle");
   command->add_flag("--thesis", a->thesis, "The thesis's size: 627,411 triangles in 167 zones of a generated city");
   command->add_option("--engines", a->options.engines, "Parted by commas; default: all that this machine has")

@@ -9,12 +9,14 @@
 #include "replay/commands.h"
 #include "replay/progress.h"
 #include "replay/temporary_folder.h"
+#include "replay/world_option.h"
 
 namespace zc {
 namespace {
 
 struct Arguments {
-  std::string world, json;
+  WorldOption world;
+  std::string json;
   std::size_t zones = 500;
   bench::TopLevelBenchOptions options;
 };
@@ -33,11 +35,12 @@ Result<std::vector<bench::RootPage>> generated_pages() {
 }
 
 Status run(const Arguments& a) {
-  std::filesystem::path world = a.world;
+  ZC_ASSIGN(const SourceOptions options, parse_source_options(a.world));
+  std::filesystem::path world = a.world.place;
   if (!world.has_filename()) world = world.parent_path();
-  ZC_ASSIGN(const auto pages, a.world.empty() ? generated_pages() : bench::load_root_pages(world));
+  ZC_ASSIGN(const auto pages, a.world.place.empty() ? generated_pages() : bench::load_root_pages(world, options));
   ZC_ASSIGN(const bench::TopLevelReport report,
-            bench::run_top_level_bench(a.world.empty() ? "city" : world.filename().string(),
+            bench::run_top_level_bench(a.world.place.empty() ? "city" : world.filename().string(),
                                        bench::repeat_root_pages(pages, a.zones), a.options));
   return bench::print_figures(bench::top_level_table(report), bench::top_level_json(report), a.json);
 }
@@ -48,7 +51,7 @@ void add_bench_top_level(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "top-level", "Rebuild the top level over many zones, as every change of residency does, and measure it");
-  command->add_option("world", a->world, "World: a folder or a .3tz archive; without it: the generated city");
+  add_world_option(*command, a->world, "without it: the generated city");
   command->add_option("--zones", a->zones, "Zones; those of a smaller world are repeated side by side")
       ->capture_default_str()
       ->check(CLI::Range(1U, 20000U));

@@ -15,6 +15,7 @@
 #include "replay/commands.h"
 #include "replay/progress.h"
 #include "replay/units.h"
+#include "replay/world_option.h"
 
 namespace zc {
 namespace {
@@ -23,6 +24,7 @@ using bench::BenchRay;
 using bench::Subject;
 
 struct Arguments {
+  WorldOption world;
   bench::SubjectOptions subject;
   std::string rays;
   std::string size = "1280x720";
@@ -54,11 +56,11 @@ bench::PageBuilder page_builder(BvhMethod method) {
 }
 
 Status check(const Arguments& a) {
-  if (!a.subject.world.empty() && !a.subject.triangles.empty())
+  if (!a.world.place.empty() && !a.subject.triangles.empty())
     return Error{ErrorCode::kArgument, "a world and --triangles: one of them names the scene"};
   if (!a.rays.empty() && !a.subject.path.empty())
     return Error{ErrorCode::kArgument, "--rays and --path: one of them, not both"};
-  if (a.rays.empty() && a.subject.path.empty() && !(a.subject.world.empty() && a.subject.triangles.empty()))
+  if (a.rays.empty() && a.subject.path.empty() && !(a.world.place.empty() && a.subject.triangles.empty()))
     return Error{ErrorCode::kArgument, "a scene of yours needs --path or --rays"};
   if (!std::isfinite(a.subject.world_offset_m))  // a range check lets NaN pass
     return Error{ErrorCode::kArgument, "--world-offset needs a finite number"};
@@ -69,6 +71,8 @@ Status check(const Arguments& a) {
 Status run(const Arguments& a) {
   ZC_TRY(check(a));
   bench::SubjectOptions source = a.subject;
+  source.world = a.world.place;
+  ZC_ASSIGN(source.source, parse_source_options(a.world));
   source.camera = a.rays.empty();
   ZC_ASSIGN(const Subject subject, bench::open_subject(source));
   const bench::Oracle oracle(subject.scene.triangles);
@@ -91,7 +95,7 @@ void add_bench_trace(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "trace", "Trace the same rays through our kernels and every peer, and hold all hits against double precision");
-  command->add_option("world", a->subject.world, "World: a folder or a .3tz archive; without it and --triangles: the generated city");
+  add_world_option(*command, a->world, "without it and --triangles: the generated city");
   command->add_option("--path", a->subject.path, "Camera path or still views: mirror rays of what the camera sees");
   command->add_option("--frame", a->subject.frame, "Sample of the path")->capture_default_str();
   command->add_option("--rays", a->rays,

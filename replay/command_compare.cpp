@@ -7,18 +7,21 @@
 #include "replay/commands.h"
 #include "replay/compare.h"
 #include "replay/progress.h"
+#include "replay/world_option.h"
 
 namespace zc {
 namespace {
 
 struct Arguments {
-  std::string world, path, out, device, frames, size = "1280x720", sun, budget = "256MiB";
+  WorldOption world;
+  std::string path, out, device, frames, size = "1280x720", sun, budget = "256MiB";
   unsigned threads = 0;
 };
 
 Result<CompareOptions> to_options(const Arguments& a) {
   CompareOptions options;
-  options.world = a.world;
+  options.world = a.world.place;
+  ZC_ASSIGN(options.source, parse_source_options(a.world));
   options.out = a.out;
   options.device = a.device;
   if (!a.frames.empty()) {
@@ -56,7 +59,7 @@ Status run(const Arguments& arguments) {
 void add_compare(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("compare", "Draw a world's proxies, level by level, against its full detail");
-  command->add_option("world", a->world, "World: a folder or a .3tz archive")->required();
+  add_world_option(*command, a->world);
   command->add_option("--path", a->path, "Camera path (CSV) or still views (shots.json)")->required();
   command->add_option("-o,--output", a->out, "Folder for pictures, maps of FLIP, contact_sheet.png and compare.json")
       ->required();

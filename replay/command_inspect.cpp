@@ -7,13 +7,14 @@
 #include "replay/progress.h"
 #include "replay/thesis_table.h"
 #include "replay/units.h"
+#include "replay/world_option.h"
 #include "replay/world_report.h"
 
 namespace zc {
 namespace {
 
 struct Arguments {
-  std::string world;
+  WorldOption world;
   bool json = false;
   bool verify = false;
 };
@@ -52,8 +53,9 @@ void print_table(const nlohmann::ordered_json& json) {
 }
 
 Status run(const Arguments& arguments) {
-  ZC_ASSIGN(const auto source, open_source(arguments.world));
-  ZC_ASSIGN(const WorldIndex index, read_world_index(*source, arguments.world));
+  ZC_ASSIGN(const SourceOptions options, parse_source_options(arguments.world));
+  ZC_ASSIGN(const auto source, open_source(arguments.world.place, options));
+  ZC_ASSIGN(const WorldIndex index, read_world_index(*source, arguments.world.place));
   nlohmann::ordered_json json = describe_world(*source, index);
   Status verified;
   if (arguments.verify) {
@@ -78,7 +80,7 @@ Status run(const Arguments& arguments) {
 void add_inspect(CLI::App& app, const SetCommand& set) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("inspect", "Show what a world holds: zones, levels, bytes, errors");
-  command->add_option("world", arguments->world, "World: a folder or a .3tz archive")->required();
+  add_world_option(*command, arguments->world);
   command->add_flag("--json", arguments->json, "Print JSON");
   command->add_flag("--verify", arguments->verify, "Read, decode and check every page; exit 1 when one fails");
   command->callback([=] { set([=] { return run(*arguments); }); });

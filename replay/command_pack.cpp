@@ -7,23 +7,25 @@
 #include "replay/commands.h"
 #include "replay/progress.h"
 #include "replay/units.h"
+#include "replay/world_option.h"
 #include "replay/world_report.h"
 
 namespace zc {
 namespace {
 
 struct Arguments {
-  std::string world;
+  WorldOption world;
   std::string out;
 };
 
 Status run(const Arguments& arguments) {
-  ZC_ASSIGN(const auto source, open_source(arguments.world));
-  ZC_ASSIGN(const WorldIndex index, read_world_index(*source, arguments.world));
+  ZC_ASSIGN(const SourceOptions options, parse_source_options(arguments.world));
+  ZC_ASSIGN(const auto source, open_source(arguments.world.place, options));
+  ZC_ASSIGN(const WorldIndex index, read_world_index(*source, arguments.world.place));
   const std::filesystem::path out = arguments.out;
   if (out.extension() != ".3tz") return Error{ErrorCode::kArgument, "an archive's name ends in .3tz", arguments.out};
   std::error_code code;
-  if (std::filesystem::equivalent(out, arguments.world, code))
+  if (std::filesystem::equivalent(out, arguments.world.place, code))
     return Error{ErrorCode::kArgument, "an archive cannot be packed into itself", arguments.out};
   ZC_ASSIGN(ArchiveWriter writer, ArchiveWriter::create(out));
   // What a viewer or the streamer asks for first comes first; then every node's files side by side, coarse to fine.
@@ -52,7 +54,7 @@ Status run(const Arguments& arguments) {
 void add_pack(CLI::App& app, const SetCommand& set) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("pack", "Put a world into one file, a 3D Tiles archive");
-  command->add_option("world", arguments->world, "World: a folder or a .3tz archive")->required();
+  add_world_option(*command, arguments->world);
   command->add_option("-o,--output", arguments->out, "Archive to write, NAME.3tz")->required();
   command->callback([=] { set([=] { return run(*arguments); }); });
 }

@@ -15,13 +15,15 @@
 #include "replay/statistics_json.h"
 #include "replay/units.h"
 #include "replay/variant_cache.h"
+#include "replay/world_option.h"
 
 namespace zc {
 namespace {
 
 // As typed; parsed in run(), so that every fault is one line and exit code 2.
 struct Arguments {
-  std::string world, path, out;
+  WorldOption world;
+  std::string path, out;
   std::string cap;
   std::string frames, size = "1280x720", sun;
   std::string latency = "0s", bandwidth;
@@ -55,7 +57,8 @@ Status parse_kernel(const std::string& text, ReplayOptions& options) {
 
 Result<ReplayOptions> to_options(const Arguments& a) {
   ReplayOptions options;
-  options.world = a.world;
+  options.world = a.world.place;
+  ZC_ASSIGN(options.source, parse_source_options(a.world));
   options.out = a.out;
   ZC_ASSIGN(options.streamer.cap_bytes, parse_bytes(a.cap));
   ZC_ASSIGN(options.host_budget_bytes, parse_bytes(a.host_budget));
@@ -128,7 +131,7 @@ Status run(const Arguments& arguments) {
 void add_replay(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("replay", "Page and render a world along a camera path under a memory cap");
-  command->add_option("world", a->world, "World: a folder or a .3tz archive")->required();
+  add_world_option(*command, a->world);
   command->add_option("--path", a->path, "Camera path (CSV) or still views (shots.json)")->required();
   command->add_option("--cap", a->cap, "Hard cap on everything the streamer holds, e.g. 64MiB")->required();
   command->add_option("-o,--output", a->out, "Folder for frames, stats.json and frames.csv");

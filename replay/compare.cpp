@@ -117,7 +117,7 @@ Result<CompareReport> run_compare(const CompareOptions& options) {
   if (options.frames.begin >= options.path.size())
     return Error{ErrorCode::kArgument,
                  "--frames begins behind the path's " + std::to_string(options.path.size()) + " frames"};
-  ZC_ASSIGN(const std::unique_ptr<Source> source, open_source(options.world));
+  ZC_ASSIGN(const std::unique_ptr<Source> source, open_source(options.world, options.source));
   ZC_ASSIGN(const std::unique_ptr<Device> device, Device::create({options.device, false}));
   CompareReport report;
   report.device = device->name();

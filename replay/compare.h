@@ -11,11 +11,13 @@
 #include "replay/camera_path.h"
 #include "replay/units.h"
 #include "runtime/renderer.h"
+#include "streamer/source.h"
 
 namespace zc {
 
 struct CompareOptions {
   std::filesystem::path world;
+  SourceOptions source;
   CameraPath path;
   FrameRange frames;
   std::filesystem::path out;

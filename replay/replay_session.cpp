@@ -65,7 +65,7 @@ class Session {
   explicit Session(const ReplayOptions& options) : options_(options) {}
 
   Result<ReplayReport> run() {
-    ZC_ASSIGN(source_, open_source(options_.world));
+    ZC_ASSIGN(source_, open_source(options_.world, options_.source));
     if (options_.render) ZC_TRY(open_device());
     reset_peak_resident_set();
     report_.baseline_rss_bytes = resident_set_bytes();
@@ -91,7 +91,7 @@ class Session {
     if (opened.ok()) return opened;
     Error error = std::move(opened).error();
     const std::filesystem::path place(error.path);
-    if (place.is_relative() && !error.path.starts_with(options_.world.string()))
+    if (place.is_relative() && !is_url(error.path) && !error.path.starts_with(options_.world.string()))
       error.path = (error.path.empty() ? options_.world : options_.world / place).string();
     return error;
   }
@@ -312,6 +312,7 @@ class Session {
 
   Result<ReplayReport> finish() {
     report_.streaming = streamer_->statistics();
+    report_.source = source_->statistics();
     report_.optimal = streamer_->optimal();
     report_.peak_rss_bytes = std::max(peak_rss_, peak_resident_set_bytes());
     for (std::size_t i = 0; i < kPassCount; ++i) report_.pass_ms[i] = median(pass_samples_[i]);

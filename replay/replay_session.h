@@ -27,6 +27,7 @@ enum class KernelChoice {
 
 struct ReplayOptions {
   std::filesystem::path world;
+  SourceOptions source;
   CameraPath path;
   std::filesystem::path out;  // empty: no files
   StreamerOptions streamer;
@@ -53,6 +54,7 @@ struct RayCounts {
 
 struct ReplayReport {
   StreamerStatistics streaming;
+  SourceStatistics source;
   std::optional<OptimalPaging> optimal;
   std::uint64_t baseline_rss_bytes = 0;
   std::uint64_t peak_rss_bytes = 0;

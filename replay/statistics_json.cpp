@@ -73,7 +73,13 @@ nlohmann::ordered_json statistics_json(const ReplayReport& report) {
     ledger[ledger_class_name(static_cast<LedgerClass>(i))] = {{"current_bytes", s.ledger_classes[i].current_bytes},
                                                               {"peak_bytes", s.ledger_classes[i].peak_bytes}};
   }
-  return {{"summary", std::move(summary)}, {"ledger", std::move(ledger)}};
+  const nlohmann::ordered_json source = {{"requests", report.source.requests},
+                                         {"failed", report.source.failed},
+                                         {"bytes_received", report.source.bytes_received},
+                                         {"not_modified", report.source.not_modified},
+                                         {"cache_hits", report.source.cache_hits},
+                                         {"cache_damaged", report.source.cache_damaged}};
+  return {{"summary", std::move(summary)}, {"ledger", std::move(ledger)}, {"source", source}};
 }
 
 }  // namespace zc

@@ -7,7 +7,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
+
+#include "base/result.h"
 
 namespace zc {
 
@@ -23,5 +26,22 @@ struct ArchiveEntry {
   std::uint64_t offset = 0;  // of the file's local header, in bytes from the archive's start
 };
 static_assert(sizeof(ArchiveEntry) == kArchiveEntryBytes);
+
+// Where the local header of the index is, from the archive's last bytes: the index is its last file, so that its entry
+// in the ZIP's directory is the last too. Fails when it is not there. Untrusted input.
+inline constexpr std::size_t kArchiveTailBytes = 1024;
+Result<std::uint64_t> find_archive_index(std::span<const std::byte> tail);
+
+// What stands before a file. `name` lies in the bytes it was read from.
+inline constexpr std::size_t kLocalHeaderBytes = 30;  // without the name
+struct LocalHeader {
+  std::string_view name;
+  std::uint64_t data_at = 0;  // bytes behind the header's first
+  std::uint64_t bytes = 0;
+};
+
+// From the bytes at an entry's offset, as many as the header and the name take or more. Fails when that is no header,
+// or that of a file that is not stored as it is. Untrusted input.
+Result<LocalHeader> read_local_header(std::span<const std::byte> front);
 
 }  // namespace zc

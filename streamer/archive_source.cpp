@@ -10,30 +10,12 @@
 #include <cstring>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <utility>
 
 #include "streamer/archive_index.h"
 
 namespace zc {
 namespace {
-
-// PKWARE's APPNOTE, 4.3.7: what stands before a file's name, of which these are read.
-constexpr std::size_t kLocalHeaderBytes = 30;
-constexpr std::uint32_t kLocalHeaderMagic = 0x04034B50;
-constexpr std::size_t kCentralHeaderBytes = 46;  // 4.3.12
-constexpr std::uint32_t kCentralHeaderMagic = 0x02014B50;
-constexpr std::uint64_t kTailBytes = 1024;   // in which the last entry is found
-constexpr std::uint64_t kIn64 = 0xFFFFFFFF;  // the number does not fit and stands elsewhere
-constexpr std::uint16_t kFlagEncrypted = 1;
-constexpr std::uint16_t kFlagSizesBehind = 8;
-
-template <class T>
-T number_at(std::span<const std::byte> bytes, std::size_t at) {
-  T value;
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  return value;
-}
 
 class OpenFile {
  public:
@@ -56,28 +38,16 @@ class ArchiveSource final : public Source {
 
   // Once, before everything else.
   Status find_index() {
-    // The index is the last file: its entry in the ZIP's directory, the last too, lies near the archive's end.
-    std::vector<std::byte> tail(std::min(bytes_, kTailBytes));
+    std::vector<std::byte> tail(std::min<std::uint64_t>(bytes_, kArchiveTailBytes));
     ZC_TRY(read_at(bytes_ - tail.size(), tail, kArchiveIndexName));
-    const std::string_view name = kArchiveIndexName;
-    for (std::size_t at = tail.size() - std::min(tail.size(), kCentralHeaderBytes + name.size()) + 1; at-- > 0;) {
-      const std::span<const std::byte> entry = std::span(tail).subspan(at);
-      if (entry.size() < kCentralHeaderBytes + name.size() || number_at<std::uint32_t>(entry, 0) != kCentralHeaderMagic)
-        continue;
-      if (number_at<std::uint16_t>(entry, 28) != name.size() ||
-          std::memcmp(entry.data() + kCentralHeaderBytes, name.data(), name.size()) != 0)
-        break;  // another file is the last
-      std::uint64_t header_at = number_at<std::uint32_t>(entry, 42);
-      if (header_at == kIn64) {
-        ZC_ASSIGN(header_at, wide_offset(entry.subspan(kCentralHeaderBytes + name.size())));
-      }
-      ZC_ASSIGN(const std::optional<Place> place, place_at(header_at, kArchiveIndexName));
-      if (!place || place->bytes % kArchiveEntryBytes != 0) break;
-      index_at_ = place->offset;
-      entries_ = place->bytes / kArchiveEntryBytes;
-      return {};
-    }
-    return Error{ErrorCode::kFormat, "has no index as its last file: not a 3D Tiles archive", path_};
+    const auto header_at = find_archive_index(tail);
+    if (!header_at) return Error{header_at.error().code, header_at.error().message, path_};
+    ZC_ASSIGN(const std::optional<Place> place, place_at(*header_at, kArchiveIndexName));
+    if (!place || place->bytes % kArchiveEntryBytes != 0)
+      return Error{ErrorCode::kFormat, "its index is no list of entries: not a 3D Tiles archive", path_};
+    index_at_ = place->offset;
+    entries_ = place->bytes / kArchiveEntryBytes;
+    return {};
   }
 
   Result<std::vector<std::byte>> read(const std::string& name, std::uint64_t bytes) override {
@@ -117,15 +87,6 @@ class ArchiveSource final : public Source {
     return {};
   }
 
-  // The offset of a file beyond 4 GiB, in its entry's field for such numbers (APPNOTE 4.5.3), which alone has it here:
-  // the index itself is smaller.
-  [[nodiscard]] Result<std::uint64_t> wide_offset(std::span<const std::byte> extra) const {
-    constexpr std::uint16_t kWideField = 1;
-    if (extra.size() < 12 || number_at<std::uint16_t>(extra, 0) != kWideField || number_at<std::uint16_t>(extra, 2) < 8)
-      return fault(kArchiveIndexName, "its place in the archive is missing");
-    return number_at<std::uint64_t>(extra, 4);
-  }
-
   [[nodiscard]] Result<Place> find(const std::string& name) const {
     const ArchiveKey key = archive_key(name);
     std::uint64_t first = 0;
@@ -150,23 +111,15 @@ class ArchiveSource final : public Source {
 
   // Where the data of the file with this local header lies; nothing where the file has another name.
   [[nodiscard]] Result<std::optional<Place>> place_at(std::uint64_t header_at, const std::string& name) const {
-    std::array<std::byte, kLocalHeaderBytes> header{};
-    ZC_TRY(read_at(header_at, header, name));
-    if (number_at<std::uint32_t>(header, 0) != kLocalHeaderMagic)
-      return fault(name, "the archive's index does not lead to a file");
-    const std::uint64_t name_bytes = number_at<std::uint16_t>(header, 26);
-    std::string found(name_bytes, '\0');
-    ZC_TRY(read_at(header_at + kLocalHeaderBytes, std::as_writable_bytes(std::span(found)), name));
-    if (found != name) return std::optional<Place>();
-    const auto flags = number_at<std::uint16_t>(header, 6);
-    const auto method = number_at<std::uint16_t>(header, 8);
-    const auto stored_bytes = number_at<std::uint32_t>(header, 18);
-    if (method != 0 || (flags & (kFlagEncrypted | kFlagSizesBehind)) != 0 || stored_bytes == kIn64)
-      return fault(name, "is not stored as it is in the archive", ErrorCode::kUnsupported);
-    const std::uint64_t data = header_at + kLocalHeaderBytes + name_bytes + number_at<std::uint16_t>(header, 28);
+    std::vector<std::byte> front(kLocalHeaderBytes + name.size());
+    ZC_TRY(read_at(header_at, front, name));
+    const auto header = read_local_header(front);
+    if (!header) return fault(name, header.error().message, header.error().code);
+    if (header->name != name) return std::optional<Place>();
+    const std::uint64_t data = header_at + header->data_at;
     // Before anybody takes memory for it.
-    if (data > bytes_ || stored_bytes > bytes_ - data) return fault(name, "lies outside the archive");
-    return std::optional<Place>(Place{data, stored_bytes});
+    if (data > bytes_ || header->bytes > bytes_ - data) return fault(name, "lies outside the archive");
+    return std::optional<Place>(Place{data, header->bytes});
   }
 
   [[nodiscard]] Result<ArchiveEntry> entry_at(std::uint64_t i) const {

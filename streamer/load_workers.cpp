@@ -24,23 +24,30 @@ LoadWorkers::~LoadWorkers() {
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;
+    for (const auto& [ticket, files] : at_work_) files->cancel();
   }
   queued_.notify_all();
   threads_.clear();
 }
 
 void LoadWorkers::submit(std::uint64_t ticket, std::uint32_t node) {
+  std::unique_ptr<Reading> files = source_.begin(page_files(index_.nodes[node]));
   {
     const std::lock_guard lock(mutex_);
-    queue_.push_back({ticket, node});
+    queue_.push_back({ticket, node, std::move(files)});
   }
   queued_.notify_one();
 }
 
 bool LoadWorkers::cancel(std::uint64_t ticket) {
+  std::unique_ptr<Reading> given_up;
   const std::lock_guard lock(mutex_);
   const auto job = std::find_if(queue_.begin(), queue_.end(), [&](const Job& j) { return j.ticket == ticket; });
-  if (job == queue_.end()) return false;
+  if (job == queue_.end()) {
+    if (const auto work = at_work_.find(ticket); work != at_work_.end()) work->second->cancel();
+    return false;
+  }
+  given_up = std::move(job->files);  // goes after the lock
   queue_.erase(job);
   return true;
 }
@@ -64,16 +71,21 @@ void LoadWorkers::work(unsigned worker) {
   while (true) {
     queued_.wait(lock, [&] { return stop_ || !queue_.empty(); });
     if (stop_) return;
-    const Job job = queue_.front();
+    Job job = std::move(queue_.front());
     queue_.pop_front();
+    at_work_.emplace(job.ticket, job.files.get());
     const std::uint64_t scratch = scratch_bytes(index_.nodes[job.node]);
     scratch_freed_.wait(lock, [&] { return scratch <= scratch_free_bytes_; });
     scratch_free_bytes_ -= scratch;
     lock.unlock();
     const Time taken_at = std::chrono::steady_clock::now();
     Time read_at = taken_at;
-    Page page = load_page(source_, index_, job.node, &read_at);
+    Page page = load_page(*job.files, index_, job.node, &read_at);
     const Time decoded_at = std::chrono::steady_clock::now();
+    lock.lock();
+    at_work_.erase(job.ticket);
+    lock.unlock();
+    job.files.reset();  // before the result tells that its bytes are free
     lock.lock();
     scratch_free_bytes_ += scratch;
     scratch_freed_.notify_all();

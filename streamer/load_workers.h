@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Worker threads that load pages in the order of submission, together within a fixed scratch memory: a worker whose
-// page does not fit beside the others' waits for them. Owns its threads; they end, and are joined, when it goes.
+// page does not fit beside the others' waits for them. A page's files are asked for when it is submitted, so that a
+// source behind a network reads more at once than there are threads. Owns its threads; they end, and are joined, when
+// it goes.
 // Borrows the source and the index, which outlive it. Threads: its methods are called from one thread.
 #pragma once
 
@@ -9,6 +11,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -41,7 +44,8 @@ class LoadWorkers {
   // Tickets are the caller's, unique and rising.
   void submit(std::uint64_t ticket, std::uint32_t node);
 
-  // True when the job had not started and never will; otherwise its result is still to be taken.
+  // True when the job had not started and never will; otherwise its result, which may be an error for that, is still to
+  // be taken.
   bool cancel(std::uint64_t ticket);
 
   // Blocks until this job is done and hands over its result.
@@ -54,6 +58,7 @@ class LoadWorkers {
   struct Job {
     std::uint64_t ticket;
     std::uint32_t node;
+    std::unique_ptr<Reading> files;
   };
   void work(unsigned worker);
 
@@ -65,6 +70,7 @@ class LoadWorkers {
   std::condition_variable scratch_freed_;
   std::uint64_t scratch_free_bytes_;
   std::deque<Job> queue_;
+  std::map<std::uint64_t, Reading*> at_work_;
   std::map<std::uint64_t, Loaded> results_;
   bool stop_ = false;
   std::vector<std::jthread> threads_;  // last: they use everything above

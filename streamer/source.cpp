@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "streamer/source.h"
 
+#include <xxhash.h>
+
 #include <algorithm>
 #include <system_error>
+#include <utility>
 
 #include "base/file.h"
 #include "streamer/archive_source.h"
+#include "streamer/http/http_source.h"
 
 namespace zc {
 namespace {
@@ -41,9 +45,41 @@ class DirectorySource final : public Source {
   std::filesystem::path dir_;
 };
 
+class ReadWhenWaitedFor final : public Reading {
+ public:
+  ReadWhenWaitedFor(Source& source, std::vector<WantedFile> files)
+      : source_(source), files_(std::move(files)), bytes_(files_.size()) {}
+
+  Result<std::span<const std::byte>> wait(std::size_t i) override {
+    ZC_ASSIGN(bytes_[i], source_.read(files_[i].name, files_[i].bytes));
+    ZC_TRY(check_wanted(bytes_[i], files_[i]));
+    return std::span<const std::byte>(bytes_[i]);
+  }
+
+ private:
+  Source& source_;
+  const std::vector<WantedFile> files_;
+  std::vector<std::vector<std::byte>> bytes_;
+};
+
 }  // namespace
 
-Result<std::unique_ptr<Source>> open_source(const std::filesystem::path& place) {
+Status check_wanted(std::span<const std::byte> bytes, const WantedFile& file) {
+  if (bytes.size() != file.bytes)
+    return Error{ErrorCode::kIo, "the source returned another size than asked for", file.name};
+  if (XXH3_64bits(bytes.data(), bytes.size()) != file.xxh3)
+    return Error{ErrorCode::kFormat, "hash differs from the index: the file is damaged", file.name};
+  return {};
+}
+
+std::unique_ptr<Reading> Source::begin(std::vector<WantedFile> files) {
+  return std::make_unique<ReadWhenWaitedFor>(*this, std::move(files));
+}
+
+bool is_url(std::string_view place) { return place.starts_with("http://") || place.starts_with("https://"); }
+
+Result<std::unique_ptr<Source>> open_source(const std::filesystem::path& place, const SourceOptions& options) {
+  if (is_url(place.native())) return open_http_source(place.native(), options);
   std::error_code code;
   if (std::filesystem::is_directory(place, code)) return open_directory_source(place);
   if (!std::filesystem::exists(place, code)) return Error{ErrorCode::kIo, "no such world", place.string()};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a world's files come from: a directory, an archive, anything that reads named files by size.
+// Where a world's files come from: a directory, an archive, a server, anything that reads named files by size.
 // Owns: nothing that callers see · threads: every method may be called from several threads at once · untrusted input:
 // names with ".." or absolute names are refused, sizes are checked before memory is taken.
 #pragma once
@@ -8,12 +8,48 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/result.h"
 
 namespace zc {
+
+// A file as the index knows it.
+struct WantedFile {
+  std::string name;
+  std::uint64_t bytes = 0;
+  std::uint64_t xxh3 = 0;
+};
+
+// Fails when these are not the bytes wanted.
+Status check_wanted(std::span<const std::byte> bytes, const WantedFile& file);
+
+// Files on their way; given up, with their memory, when it goes. Threads: wait() on one, cancel() from any.
+class Reading {
+ public:
+  Reading() = default;
+  Reading(const Reading&) = delete;
+  Reading& operator=(const Reading&) = delete;
+  virtual ~Reading() = default;
+
+  // Blocks until the i-th file is there; its size and its hash are as wanted. The bytes stay as long as the Reading.
+  virtual Result<std::span<const std::byte>> wait(std::size_t i) = 0;
+  // wait() returns soon, with an error if the bytes had not come.
+  virtual void cancel() {}
+};
+
+// What a source behind a network did; all zero for any other.
+struct SourceStatistics {
+  std::uint64_t requests = 0;
+  std::uint64_t failed = 0;          // of them
+  std::uint64_t bytes_received = 0;  // without headers
+  std::uint64_t not_modified = 0;    // answers that a cached copy still holds
+  std::uint64_t cache_hits = 0;      // files for which nothing was asked
+  std::uint64_t cache_damaged = 0;   // entries thrown away
+};
 
 class Source {
  public:
@@ -24,10 +60,27 @@ class Source {
 
   // The whole file `name`, whatever its size up to limit_bytes.
   virtual Result<std::vector<std::byte>> read_all(const std::string& name, std::uint64_t limit_bytes) = 0;
+
+  // Files that are read together. A source behind a network has begun when this returns, and does not repeat what
+  // fails; here, each is read when it is waited for.
+  virtual std::unique_ptr<Reading> begin(std::vector<WantedFile> files);
+
+  [[nodiscard]] virtual SourceStatistics statistics() const { return {}; }
 };
 
-// A directory, or a .3tz archive (archive_source.h). Fails when it is neither.
-Result<std::unique_ptr<Source>> open_source(const std::filesystem::path& place);
+// Of sources behind a network.
+struct SourceOptions {
+  std::filesystem::path cache;              // folder for what was read, made when it is not there; empty: none
+  std::uint64_t cache_bytes = 1ULL << 30U;  // most that the cache may hold
+  double timeout_s = 10;                    // to connect, and of silence
+};
+
+// Whether `place` is an address of the web (http://, https://) and not a path.
+[[nodiscard]] bool is_url(std::string_view place);
+
+// A directory, a .3tz archive (archive_source.h), or the address of one of them (http/http_source.h). Fails when it is
+// none.
+Result<std::unique_ptr<Source>> open_source(const std::filesystem::path& place, const SourceOptions& options = {});
 
 // Fails when `dir` is not a directory.
 Result<std::unique_ptr<Source>> open_directory_source(const std::filesystem::path& dir);

@@ -20,6 +20,7 @@
 #include "streamer/page_pool.h"
 #include "streamer/pager_state.h"
 #include "streamer/prefetch_account.h"
+#include "streamer/retry.h"
 #include "streamer/teleports.h"
 #include "streamer/zeroed_array.h"
 
@@ -27,11 +28,6 @@ namespace zc {
 namespace {
 
 constexpr std::uint64_t kIndexLimitBytes = 1ULL << 32U;
-
-double retry_delay_s(std::uint32_t failures) {
-  constexpr std::array<double, 3> kDelays = {0.1, 0.4, 1.6};
-  return failures <= kDelays.size() ? kDelays[failures - 1] : 10.0;
-}
 
 // The least loss is at the front of a std::*_heap.
 bool worse_eviction(const Eviction& a, const Eviction& b) {
@@ -362,7 +358,7 @@ class Streamer::Impl {
     NodeState& node = nodes_[n];
     node.phase = NodePhase::kAbsent;
     if (node.failures < std::numeric_limits<std::uint16_t>::max()) ++node.failures;
-    node.retry_at_s = time_s_ + retry_delay_s(node.failures);
+    node.retry_at_s = time_s_ + std::max(retry_delay_s(node.failures), error.retry_after_s);
     ++stats_.requests.failed;
     events_.record(frame_, EventKind::kFail, n);
     if (node.failed_before != 0) return;

@@ -47,18 +47,19 @@ LIBRARIES = {
     "embree3/": ("baker", "replay"),
     "spdlog/": ("replay",),
     "md5.h": ("streamer",),
+    "curl/": ("streamer",),
     "zip.h": ("replay",),
     "spng.h": ("replay", "tests"),
     "gtest/": ("tests",),
     "spirv_cross/": ("tests",),
 }
-POSIX = {"fcntl.h", "malloc.h", "stdio.h", "stdlib.h", "unistd.h"}
+POSIX = {"fcntl.h", "malloc.h", "signal.h", "stdio.h", "stdlib.h", "unistd.h"}
 
 # Target -> what it may link. Anything else is a new arrow, to be drawn here on purpose.
 LINKS = {
     "zonecast_base": {"zonecast_options"},
     "zonecast_streamer": {"zonecast_base", "glm::glm", "Threads::Threads", "draco::draco",
-                          "nlohmann_json::nlohmann_json", "PkgConfig::XXHASH", "PkgConfig::MD"},
+                          "nlohmann_json::nlohmann_json", "PkgConfig::XXHASH", "PkgConfig::MD", "CURL::libcurl"},
     "zonecast_runtime": {"zonecast_base", "glm::glm", "Vulkan::Vulkan"},
     "zonecast_baker": {"zonecast_streamer", "CGAL::CGAL", "OpenMeshCore", "OpenMeshTools", "draco::draco",
                        "nlohmann_json::nlohmann_json", "PkgConfig::XXHASH", "TBB::tbb", "embree", "meshoptimizer::meshoptimizer",
@@ -230,7 +231,7 @@ class TheChecksThemselves(unittest.TestCase):
             ("baker/a.cpp", '#include "replay/units.h"'), ("replay/a.cpp", '#include "baker/bake.h"'),
             ("replay/command_bake.cpp", "#include <CGAL/Surface_mesh.h>"),
             ("replay/a.cpp", "#include <OpenMesh/Core/x.hh>"),
-            ("replay/a.cpp", '#include "spirv/trace_rays.comp.h"'), ("streamer/a.cpp", "#include <curl/curl.h>"),
+            ("replay/a.cpp", '#include "spirv/trace_rays.comp.h"'), ("replay/a.cpp", "#include <curl/curl.h>"),
             ("streamer/a.cpp", '#include "draco/mesh/mesh.h"'), ("streamer/a.cpp", '#include "nowhere.h"'),
         ):
             self.assertEqual(len(include_faults(name, line)), 1, (name, line))

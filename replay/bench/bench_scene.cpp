@@ -82,7 +82,7 @@ Result<CrsPoint> lattice_point(const glm::dvec3& position_m, double step_m) {
 }
 
 Result<BenchScene> load_world_scene(const std::filesystem::path& world, const WorldSceneOptions& options) {
-  ZC_ASSIGN(const std::unique_ptr<Source> source, open_source(world));
+  ZC_ASSIGN(const std::unique_ptr<Source> source, open_source(world, options.source));
   ZC_ASSIGN(const WorldIndex index, read_world_index(*source, world));
   CrsPoint anchor = index.header.anchor;
   for (std::size_t axis = 0; axis < 3; ++axis) anchor[axis] += options.offset_steps[axis];

@@ -18,6 +18,7 @@
 #include "replay/bench/oracle.h"
 #include "replay/bench/trace_engine.h"
 #include "replay/camera_path.h"
+#include "streamer/source.h"
 
 namespace zc::bench {
 
@@ -43,6 +44,7 @@ Result<CrsPoint> lattice_point(const glm::dvec3& position_m, double step_m);
 struct WorldSceneOptions {
   const CameraSample* camera = nullptr;  // in the CRS as moved
   CrsPoint offset_steps = {};
+  SourceOptions source;
 };
 Result<BenchScene> load_world_scene(const std::filesystem::path& world, const WorldSceneOptions& options);
 

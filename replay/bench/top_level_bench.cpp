@@ -75,8 +75,8 @@ Result<TopLevelRow> time_set_zones(std::span<const RootPage> pages, std::span<co
 
 }  // namespace
 
-Result<std::vector<RootPage>> load_root_pages(const std::filesystem::path& world) {
-  ZC_ASSIGN(const std::unique_ptr<Source> source, open_source(world));
+Result<std::vector<RootPage>> load_root_pages(const std::filesystem::path& world, const SourceOptions& options) {
+  ZC_ASSIGN(const std::unique_ptr<Source> source, open_source(world, options));
   ZC_ASSIGN(const WorldIndex index, read_world_index(*source, world));
   std::vector<RootPage> pages;
   for (std::uint32_t id = 0; id < index.nodes.size(); ++id) {

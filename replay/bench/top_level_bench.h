@@ -14,6 +14,7 @@
 
 #include "base/result.h"
 #include "runtime/top_level.h"
+#include "streamer/source.h"
 
 namespace zc::bench {
 
@@ -21,7 +22,7 @@ namespace zc::bench {
 using RootPage = std::vector<std::uint32_t>;
 
 // Of the world's finest proxies, in the order of its index.
-Result<std::vector<RootPage>> load_root_pages(const std::filesystem::path& world);
+Result<std::vector<RootPage>> load_root_pages(const std::filesystem::path& world, const SourceOptions& options = {});
 
 // Exactly `count`: the first ones, or all of them again and again, each round in a place of its own beside the others.
 std::vector<RootPage> repeat_root_pages(std::span<const RootPage> pages, std::size_t count);
