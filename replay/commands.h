@@ -18,6 +18,7 @@ void add_bake(CLI::App& app, const SetCommand& set);
 void add_inspect(CLI::App& app, const SetCommand& set);
 void add_compare(CLI::App& app, const SetCommand& set);
 void add_replay(CLI::App& app, const SetCommand& set);
+void add_serve(CLI::App& app, const SetCommand& set);
 void add_bench(CLI::App& app, const SetCommand& set);
 void add_bench_build(CLI::App& bench, const SetCommand& set);
 void add_bench_trace(CLI::App& bench, const SetCommand& set);

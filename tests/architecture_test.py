@@ -49,11 +49,12 @@ LIBRARIES = {
     "md5.h": ("streamer",),
     "curl/": ("streamer",),
     "zip.h": ("replay",),
+    "httplib.h": ("replay",),
     "spng.h": ("replay", "tests"),
     "gtest/": ("tests",),
     "spirv_cross/": ("tests",),
 }
-POSIX = {"fcntl.h", "malloc.h", "signal.h", "stdio.h", "stdlib.h", "unistd.h"}
+POSIX = {"fcntl.h", "malloc.h", "netdb.h", "poll.h", "pthread.h", "signal.h", "stdio.h", "stdlib.h", "unistd.h"}
 
 # Target -> what it may link. Anything else is a new arrow, to be drawn here on purpose.
 LINKS = {
@@ -65,7 +66,7 @@ LINKS = {
                        "nlohmann_json::nlohmann_json", "PkgConfig::XXHASH", "TBB::tbb", "embree", "meshoptimizer::meshoptimizer",
                        "pugixml::pugixml"},
     "zonecast_replay": {"zonecast_streamer", "zonecast_runtime", "CLI11::CLI11", "nlohmann_json::nlohmann_json",
-                        "PkgConfig::SPNG", "PkgConfig::MINIZIP", "spdlog::spdlog", "spdlog::spdlog_header_only", "embree"},
+                        "PkgConfig::SPNG", "PkgConfig::MINIZIP", "PkgConfig::HTTPLIB", "spdlog::spdlog", "spdlog::spdlog_header_only", "embree"},
     "zonecast": {"zonecast_replay", "zonecast_baker"},
 }
 # Target -> the folders whose sources it is made of.

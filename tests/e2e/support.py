@@ -4,6 +4,7 @@
 ZONECAST names the binary; ZONECAST_DATA the folder of real city models (default: ../shared/data beside the sources).
 Standard library only.
 """
+import contextlib
 import hashlib
 import json
 import math
@@ -59,6 +60,23 @@ class Case(unittest.TestCase):
             words = " ".join(map(str, arguments))
             raise AssertionError(f"zonecast {words}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
         return done.stdout
+
+    @classmethod
+    @contextlib.contextmanager
+    def serve(cls, world, *options):
+        """`zonecast serve` on a free port, until the block ends; its address. It must end well."""
+        words = [BINARY, "serve", str(world), "--port", "0", *map(str, options)]
+        with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
+            try:
+                line = server.stdout.readline()
+                if " at http://" not in line:
+                    raise AssertionError(f"{line}{server.stderr.read()}")
+                yield line.split(" at ")[1].strip()
+            finally:
+                server.terminate()
+                _, errors = server.communicate(timeout=30)
+            if server.returncode != 0 or errors:
+                raise AssertionError(f"serve: exit code {server.returncode}\n{errors}")
 
     def assert_refused(self, arguments, code, *parts):
         """The run ends with `code` and one line on standard error that holds `parts`, and touches no file."""

@@ -39,15 +39,15 @@ class Viewers(support.Case):
         self.zonecast("bake", source, "--no-light", "-o", world, *more)
         return world
 
-    def assert_alike(self, world, path):
-        """Silhouettes of every camera of a path in all viewers against the replay's depth."""
+    def assert_alike(self, world, path, address=None):
+        """Silhouettes of every camera of a path in all viewers, which read the world from there, against the replay's depth."""
         replayed = self.folder / f"{world.name}_replay"
         self.zonecast("replay", world, "--path", path, "--cap", "64MiB", "--size", "{}x{}".format(*SIZE), "--reflections",
                       "none", "--debug-views", "depth", "-o", replayed)
         ours = [support.read_png(file) for file in sorted((replayed / "depth").iterdir())]
         for viewer in VIEWERS:
             out = self.folder / f"{world.name}_{viewer}"
-            done = node.script("view.mjs", world, path, "{}x{}".format(*SIZE), "#{:02x}{:02x}{:02x}".format(*BACKGROUND),
+            done = node.script("view.mjs", address or world, path, "{}x{}".format(*SIZE), "#{:02x}{:02x}{:02x}".format(*BACKGROUND),
                                viewer, out)
             self.assertEqual(done.returncode, 0, done.stderr)
             print(world.name, viewer, json.loads(done.stdout))
@@ -88,7 +88,10 @@ class Viewers(support.Case):
         path = self.folder / "far.csv"
         center = (650150, 5400150, 303)
         support.write_path(path, [(0, (649930, 5399900, 360), center), (1, (650029, 5400029, 302), center)])
-        self.assert_alike(self.bake("far", self.folder / "far.city.json", "--leaf-triangles", "100"), path)
+        world = self.bake("far", self.folder / "far.city.json", "--leaf-triangles", "100")
+        self.assert_alike(world, path)
+        with self.serve(world) as address:  # of another origin than the page
+            self.assert_alike(world, path, address)
 
     @unittest.skipUnless(INGOLSTADT.is_dir(), f"{INGOLSTADT} is not there (set ZONECAST_DATA)")
     def test_a_real_city(self):

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // node view.mjs MODULES WORLD PATH.csv WIDTHxHEIGHT BACKGROUND VIEWER OUT: a world in a browser, through every camera of
 // a path, as OUT/0000.png and so on. VIEWER: three or cesium. MODULES: the folder whose node_modules hold the packages.
+// WORLD: a folder, or the address of a server that is not this page's.
 // Prints one line of JSON, what each picture shows; exit code 1 and what the page said when anything fails.
 import { createServer } from "node:http";
 import { createRequire } from "node:module";
@@ -71,9 +72,9 @@ try {
   page.on("requestfailed", (request) => faults.push(`${request.url()}: ${request.failure()?.errorText}`));
   page.on("response", (response) => { if (!response.ok()) faults.push(`${response.url()}: ${response.status()}`); });
   await page.goto(`${origin}/page/view.html`);
-  await page.evaluate(async (name, color) => {
-    window.show = await (await import(`/page/view_${name}.mjs`)).open("/world/tileset.json", color);
-  }, viewer, background);
+  await page.evaluate(async (name, color, tileset) => {
+    window.show = await (await import(`/page/view_${name}.mjs`)).open(tileset, color);
+  }, viewer, background, /^http:/.test(world) ? new URL("tileset.json", world).href : "/world/tileset.json");
   await mkdir(out, { recursive: true });
   const shown = [];
   for (const [i, view] of views.entries()) {

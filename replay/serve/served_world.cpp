@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replay/serve/served_world.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cinttypes>
+#include <cstdio>
+#include <utility>
+
+#include "streamer/source.h"
+#include "streamer/world_format/world_index.h"
+
+namespace zc {
+namespace {
+
+// Takes a number of at most ten digits off the front.
+bool take_number(std::string_view& text) {
+  std::size_t digits = 0;
+  while (digits < text.size() && text[digits] >= '0' && text[digits] <= '9') ++digits;
+  if (digits == 0 || digits > 10) return false;
+  text.remove_prefix(digits);
+  return true;
+}
+
+bool take(std::string_view& text, std::string_view word) {
+  if (!text.starts_with(word)) return false;
+  text.remove_prefix(word.size());
+  return true;
+}
+
+const char* type_of(std::string_view name) {
+  if (name.ends_with(".glb")) return "model/gltf-binary";
+  if (name.ends_with(".json")) return "application/json";
+  if (name.ends_with(".3tz")) return "application/vnd.maxar.archive.3tz+zip";
+  return "application/octet-stream";
+}
+
+}  // namespace
+
+bool names_world_file(std::string_view name) {
+  if (name == kWorldIndexName || name == "tileset.json" || name == "bake.json") return true;
+  if (!take(name, "zones/") || !take_number(name) || !take(name, "/") || !take_number(name) || !take(name, "_") ||
+      !take_number(name))
+    return false;
+  (void)take(name, ".detail");
+  return name == ".glb" || name == ".zbvh";
+}
+
+ServedFile::ServedFile(ServedFile&& other) noexcept
+    : handle_(std::exchange(other.handle_, -1)),
+      bytes_(other.bytes_),
+      etag_(std::move(other.etag_)),
+      type_(other.type_) {}
+
+ServedFile::~ServedFile() {
+  if (handle_ >= 0) ::close(handle_);
+}
+
+std::size_t ServedFile::read(std::uint64_t offset, std::span<char> out) const {
+  std::size_t done = 0;
+  while (done < out.size()) {
+    const ssize_t got = ::pread(handle_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) break;
+    done += static_cast<std::size_t>(got);
+  }
+  return done;
+}
+
+Result<ServedWorld> ServedWorld::open(const std::filesystem::path& place) {
+  if (is_url(place.native())) return Error{ErrorCode::kArgument, "is served already", place.string()};
+  ZC_ASSIGN(const std::unique_ptr<Source> source, open_source(place));  // a folder or an archive, and nothing else
+  ZC_ASSIGN(const std::vector<std::byte> index, source->read_all(kWorldIndexName, std::uint64_t{1} << 32U));
+  if (auto decoded = decode_world_index(index, (place / kWorldIndexName).string()); !decoded)
+    return std::move(decoded).error();
+  std::error_code failure;
+  const bool folder = std::filesystem::is_directory(place, failure);
+  return ServedWorld(place, folder, folder ? std::string(kWorldIndexName) : place.filename().string());
+}
+
+std::optional<ServedFile> ServedWorld::find(std::string_view name) const {
+  if (folder_ ? !names_world_file(name) : name != first_name_) return std::nullopt;
+  const std::filesystem::path path = folder_ ? place_ / name : place_;
+  const int handle = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (handle < 0) return std::nullopt;
+  struct stat status {};
+  if (::fstat(handle, &status) != 0 || !S_ISREG(status.st_mode)) {
+    ::close(handle);
+    return std::nullopt;
+  }
+  std::array<char, 96> etag{};
+  std::snprintf(etag.data(), etag.size(), "\"%jx-%jx-%jx%09lx\"", static_cast<std::uintmax_t>(status.st_ino),
+                static_cast<std::uintmax_t>(status.st_size), static_cast<std::uintmax_t>(status.st_mtim.tv_sec),
+                static_cast<unsigned long>(status.st_mtim.tv_nsec));
+  return ServedFile(handle, static_cast<std::uint64_t>(status.st_size), etag.data(), type_of(name));
+}
+
+}  // namespace zc
