@@ -28,7 +28,7 @@ struct Arguments {
   bench::SubjectOptions subject;
   std::string rays;
   std::string size = "1280x720";
-  bench::PixelOrder order = bench::PixelOrder::kRows;
+  bench::PixelOrder order = bench::PixelOrder::kTiles;
   bench::TraceBenchOptions options;
   BvhMethod bvh = BvhMethod::kAuto;
   std::string json, dump_rays, dump_triangles;
@@ -105,7 +105,7 @@ void add_bench_trace(CLI::App& app, const SetCommand& set) {
   command->add_option("--order", a->order, "Order of the picture's rays")
       ->transform(CLI::CheckedTransformer(std::map<std::string, bench::PixelOrder>{
           {"rows", bench::PixelOrder::kRows}, {"tiles", bench::PixelOrder::kTiles}}))
-      ->option_text("rows|tiles [rows]");
+      ->option_text("rows|tiles [tiles]");
   command->add_option("--engines", a->options.engines, "Parted by commas; default: all that this machine has")
       ->delimiter(',');
   command->add_option("--repeat", a->options.repeat, "Timed runs of each engine, in turn")

@@ -56,14 +56,18 @@ void gather_beam(inout Beam beam) {
   beam.z_last = team_max(beam.z_last) * 1.000002;
 }
 
+// Slopes are linear: the lowest ray within a stretch is lowest at one of its ends. (Comparisons and selects, because
+// llvmpipe spends three instructions on a minimum for NaN.)
 bool beam_meets_box(Beam beam, vec3 low, vec3 high) {
   const float z0 = max((beam.forward > 0.0 ? low.z : -high.z) - beam.start, 0.0);
   const float z1 = (beam.forward > 0.0 ? high.z : -low.z) - beam.start;
-  const vec2 beam_low = max(beam.reach_low, min(beam.from_low + beam.slope_low * z0, beam.from_low + beam.slope_low * z1));
+  const vec2 beam_low =
+      beam.from_low + beam.slope_low * vec2(beam.slope_low.x < 0.0 ? z1 : z0, beam.slope_low.y < 0.0 ? z1 : z0);
   const vec2 beam_high =
-      min(beam.reach_high, max(beam.from_high + beam.slope_high * z0, beam.from_high + beam.slope_high * z1));
+      beam.from_high + beam.slope_high * vec2(beam.slope_high.x > 0.0 ? z1 : z0, beam.slope_high.y > 0.0 ? z1 : z0);
   return z1 >= 0.0 && z0 <= beam.z_last && low.x <= beam_high.x && high.x >= beam_low.x && low.y <= beam_high.y &&
-         high.y >= beam_low.y;
+         high.y >= beam_low.y && low.x <= beam.reach_high.x && high.x >= beam.reach_low.x && low.y <= beam.reach_high.y &&
+         high.y >= beam.reach_low.y;
 }
 
 // The edge function of the edge from p to q, seen along the beam's middle, and how much it can differ over the beam. p and
@@ -83,10 +87,10 @@ void bound_edge(vec3 p, vec3 q, vec2 from, vec2 slope, inout bool above, inout b
   below = below || u < -bound;
 }
 
-// Whether a ray may hit: the box of the triangle is met, and no two edges see all rays on different sides.
+// Whether a ray may hit: no side of the beam has the whole triangle behind it, and no two edges see all rays on different
+// sides. A point that a ray meets lies within the sides, which are linear, so that a triangle behind one has no such point
+// even where it begins before the beam.
 bool beam_meets_triangle(Beam beam, Triangle s) {
-  const vec3 low = min(min(s.a, s.b), s.c);
-  const vec3 high = max(max(s.a, s.b), s.c);
   const vec2 from = (beam.from_low + beam.from_high) * 0.5;
   const vec2 slope = (beam.slope_low + beam.slope_high) * 0.5;
   const vec2 half_from = (beam.from_high - beam.from_low) * 0.5;
@@ -102,5 +106,14 @@ bool beam_meets_triangle(Beam beam, Triangle s) {
   bound_edge(p, q, half_from, half_slope, above, below);
   bound_edge(q, r, half_from, half_slope, above, below);
   bound_edge(r, p, half_from, half_slope, above, below);
-  return beam_meets_box(beam, low, high) && !(above && below);
+  const vec2 p_side = half_from + half_slope * p.z;
+  const vec2 q_side = half_from + half_slope * q.z;
+  const vec2 r_side = half_from + half_slope * r.z;
+  const bool beside = (p.x > p_side.x && q.x > q_side.x && r.x > r_side.x) ||
+                      (p.y > p_side.y && q.y > q_side.y && r.y > r_side.y) ||
+                      (-p.x > p_side.x && -q.x > q_side.x && -r.x > r_side.x) ||
+                      (-p.y > p_side.y && -q.y > q_side.y && -r.y > r_side.y);
+  const float z0 = beam.forward > 0.0 ? s.z_low : -s.z_high;
+  const float z1 = beam.forward > 0.0 ? s.z_high : -s.z_low;
+  return z1 - beam.start >= 0.0 && z0 - beam.start <= beam.z_last && !beside && !(above && below);
 }

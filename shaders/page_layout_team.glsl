@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What traverse_packet.glsl asks besides page_layout.glsl. Needs team.glsl.
 
-// Lane i's share of a node: the box of child i, relative to the camera's lattice point, permuted. Every lane gets the
-// same references.
-NodeRefs PAGE_NAME(load_child)(uint node, int longest, out vec3 low, out vec3 high) {
+// A lane's share of a node: the box of the child in its slot, relative to the camera's lattice point, permuted. Every
+// lane gets the same references.
+NodeRefs PAGE_NAME(load_child)(uint node, uint slot, int longest, out vec3 low, out vec3 high) {
   // Lanes 0 to 4 fetch four words each. Lanes 5 to 7 fetch the planes once more and put those of slots 4 to 7 where the
   // others have slots 0 to 3: each lane finds the six words that its child is in by one shuffle each.
   const bool again = team_lane >= 5u;
@@ -12,8 +12,8 @@ NodeRefs PAGE_NAME(load_child)(uint node, int longest, out vec3 low, out vec3 hi
   const uint odd = again ? words.w : words.z;
   const uint masks = from_lane(words.w, 0u);
   const uvec3 node_origin = uvec3(from_lane(words.x, 0u), from_lane(words.y, 0u), from_lane(words.z, 0u));
-  const uint planes = team_lane < 4u ? 2u : 5u;
-  const uint shift = 8u * (team_lane & 3u);
+  const uint planes = slot < 4u ? 2u : 5u;
+  const uint shift = 8u * (slot & 3u);
   const uvec3 low_bytes = uvec3(from_lane(even, planes), from_lane(odd, planes), from_lane(even, planes + 1u));
   const uvec3 high_bytes = uvec3(from_lane(odd, planes + 1u), from_lane(even, planes + 2u), from_lane(odd, planes + 2u));
   const vec3 from = vec3(ivec3(node_origin) - frame.camera_lattice.xyz);
@@ -22,4 +22,17 @@ NodeRefs PAGE_NAME(load_child)(uint node, int longest, out vec3 low, out vec3 hi
   high = permute(from + vec3((high_bytes >> shift) & 0xFFu) * unit, longest);
   return NodeRefs((masks >> 16) & 0xFFu, masks >> 24, from_lane(words.z, 1u), node + from_lane(words.x, 1u),
                   node + from_lane(words.y, 1u), node + from_lane(words.w, 1u));
+}
+
+// As load_cluster, each lane fetching a word. What only looks need (palette, page) is not there.
+PAGE_NAME(Cluster) PAGE_NAME(load_team_cluster)(uint word) {
+  const uint mine = PAGE_NAME(load)(word + team_lane);
+  PAGE_NAME(Cluster) c;
+  c.offset = ivec3(from_lane(mine, 0u), from_lane(mine, 1u), from_lane(mine, 2u)) - frame.camera_lattice.xyz;
+  c.counts = from_lane(mine, 3u);
+  c.shift = int(c.counts >> kClusterShiftBit);
+  c.triangle_word = word + kClusterHeaderWords;
+  c.vertex_word = c.triangle_word + cluster_triangles(c.counts);
+  c.error_m = uintBitsToFloat(from_lane(mine, 4u));
+  return c;
 }

@@ -80,6 +80,13 @@ uint leaf_triangles(uint leaves, uint counts) {
   return bits;
 }
 
+// The triangles of a slot, none unless it is a leaf.
+uint slot_triangles(uint counts, uint slot) {
+  const uint below = counts & ((1u << (4u * slot)) - 1u);
+  const uint first = ((below & 0x0F0F0F0Fu) + (below >> 4 & 0x0F0F0F0Fu)) * 0x01010101u >> 24;
+  return ((1u << (counts >> (4u * slot) & 15u)) - 1u) << first;
+}
+
 // Plane q, a byte, is read as v = 1 + q / 2^15 by putting it into a float's mantissa: converting integers costs discrete
 // GPUs four times as much. Entry distance is v * scale + near_start, exit distance v * scale + far_start; the true one is
 // (q * 2^e + from) / d. With the scale 2^15 times as large and the start less that scale, floats are off by at most 9 units

@@ -54,6 +54,7 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
     const vec3 lead_axis = permute(lead_direction, longest);
     const float forward = lead_axis.z < 0.0 ? -1.0 : 1.0;
     const uint octant = direction_octant(lead_direction);
+    const uint slot = team_lane ^ octant;  // of this lane's children: by lanes they are roughly front to back
     const vec3 lead_plane = permute(unpack_normal(lead.leaves), longest);
 
     // Who comes along; the packet's frustum. Along the axis it begins at the first origin: z counts from there, forward.
@@ -111,16 +112,16 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
         }
         vec3 box_low;
         vec3 box_high;
-        const NodeRefs refs = PAGE_NAME(load_child)(node, longest, box_low, box_high);
-        const uint met_children = team_ballot(beam_meets_box(beam, box_low, box_high));
-        triangles = leaf_triangles(met_children & refs.leaves, refs.counts);
+        const NodeRefs refs = PAGE_NAME(load_child)(node, slot, longest, box_low, box_high);
+        const bool met = beam_meets_box(beam, box_low, box_high);
+        triangles = team_or(met ? slot_triangles(refs.counts, slot) : 0u);
         triangle_word = refs.triangle_word;
         cluster_word = refs.cluster_word;
-        group = uvec2(refs.child_word, order_slots(met_children & refs.inner, octant) << 24 | refs.inner);
+        group = uvec2(refs.child_word, team_ballot(met && (refs.inner >> slot & 1u) != 0u) << 24 | refs.inner);
       } while (triangles == 0u && steps < budget);
       if (triangles == 0u) break;
 
-      const PAGE_NAME(Cluster) cluster = PAGE_NAME(load_cluster)(cluster_word);
+      const PAGE_NAME(Cluster) cluster = PAGE_NAME(load_team_cluster)(cluster_word);
       const float own_height_m = cluster.error_m + 2.0 * step_m;
       do {
         uint first;  // of the eight triangles at hand

@@ -68,7 +68,7 @@ enum class PixelOrder { kRows, kTiles };  // kTiles: 8×8 pixels after one anoth
 struct MirrorView {
   std::uint32_t width = 1280;
   std::uint32_t height = 720;
-  PixelOrder order = PixelOrder::kRows;
+  PixelOrder order = PixelOrder::kTiles;
   unsigned threads = 1;
 };
 // A mirror ray from every pixel of the camera that sees a surface: reflected at the triangle's plane, starting four
