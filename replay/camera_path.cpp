@@ -119,14 +119,20 @@ Result<CameraPath> read_camera_path(const std::filesystem::path& file) {
   return path;
 }
 
-glm::dvec3 eye_at(const CameraPath& path, double time_s) {
+CameraSample camera_at(const CameraPath& path, double time_s) {
   const auto after =
       std::ranges::upper_bound(path, time_s, {}, [](const CameraSample& sample) { return sample.time_s; });
-  if (after == path.begin()) return path.front().eye;
-  if (after == path.end()) return path.back().eye;
+  if (after == path.begin()) return path.front();
   const CameraSample& a = *(after - 1);
-  const double span = after->time_s - a.time_s;
-  return span > 0 ? glm::mix(a.eye, after->eye, (time_s - a.time_s) / span) : after->eye;
+  if (after == path.end() || !a.name.empty()) return a;
+  const double share = (time_s - a.time_s) / (after->time_s - a.time_s);  // upper_bound: not the same time
+  CameraSample between{time_s, glm::mix(a.eye, after->eye, share), glm::mix(a.target, after->target, share),
+                       glm::mix(a.fov_y_deg, after->fov_y_deg, share)};
+  // Halfway round a turn on the spot the target may pass through the eye.
+  if (glm::length(between.target - between.eye) < 1e-6) between.target = between.eye + (a.target - a.eye);
+  return between;
 }
+
+glm::dvec3 eye_at(const CameraPath& path, double time_s) { return camera_at(path, time_s).eye; }
 
 }  // namespace zc

@@ -26,6 +26,9 @@ using CameraPath = std::vector<CameraSample>;  // never empty
 
 Result<CameraPath> read_camera_path(const std::filesystem::path& file);
 
+// The camera at a time: between samples as eye_at() and alike for target and field of view; still views do not move.
+CameraSample camera_at(const CameraPath& path, double time_s);
+
 // The eye at a time, linear between samples, held before the first and after the last.
 glm::dvec3 eye_at(const CameraPath& path, double time_s);
 

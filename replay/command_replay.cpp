@@ -23,10 +23,12 @@ namespace {
 // As typed; parsed in run(), so that every fault is one line and exit code 2.
 struct Arguments {
   WorldOption world;
-  std::string path, out;
+  std::string out;
+  std::vector<std::string> paths;
   std::string cap;
   std::string frames, size = "1280x720", sun;
-  std::string latency = "0s", bandwidth;
+  std::string latency = "0s", bandwidth, upload_budget;
+  Prediction prediction = Prediction::kPath;
   std::string host_budget = "256MiB";
   std::string device;
   std::string kernel = "auto";
@@ -36,7 +38,7 @@ struct Arguments {
   unsigned threads = 0;
   double tolerance = 0.002;
   double look_ahead_s = 2;
-  bool no_render = false, validate = false, contact_sheet = false, leave_nothing_out = false;
+  bool no_render = false, validate = false, contact_sheet = false, leave_nothing_out = false, trace = false;
 };
 
 Status parse_kernel(const std::string& text, ReplayOptions& options) {
@@ -70,6 +72,10 @@ Result<ReplayOptions> to_options(const Arguments& a) {
     return Error{ErrorCode::kArgument, "--source-latency and --source-bandwidth need --clock virtual"};
   if (!std::isfinite(a.tolerance) || !std::isfinite(a.look_ahead_s))  // a range check lets NaN pass
     return Error{ErrorCode::kArgument, "--tolerance and --look-ahead need finite numbers"};
+  if (!a.upload_budget.empty()) {
+    ZC_ASSIGN(options.streamer.upload_bytes_per_frame, parse_bytes(a.upload_budget));
+  }
+  if (a.trace && a.out.empty()) return Error{ErrorCode::kArgument, "--trace needs a folder for trace.json: -o"};
   if (!a.frames.empty()) {
     ZC_ASSIGN(options.frames, parse_frames(a.frames));
   }
@@ -91,7 +97,11 @@ Result<ReplayOptions> to_options(const Arguments& a) {
   options.validation = a.validate;
   options.contact_sheet = a.contact_sheet;
   options.leave_nothing_out = a.leave_nothing_out;
-  ZC_ASSIGN(options.path, read_camera_path(a.path));
+  options.prediction = a.prediction;
+  options.trace = a.trace;
+  for (const std::string& path : a.paths) {
+    ZC_ASSIGN(options.paths.emplace_back(), read_camera_path(path));
+  }
   return options;
 }
 
@@ -132,7 +142,14 @@ void add_replay(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("replay", "Page and render a world along a camera path under a memory cap");
   add_world_option(*command, a->world);
-  command->add_option("--path", a->path, "Camera path (CSV) or still views (shots.json)")->required();
+  command
+      ->add_option(
+          "--path", a->paths,
+          "Camera path (CSV) or still views (shots.json). More than once: that many cameras under one cap, all "
+          "at the times of the first; pictures of the second go to camera_1, and so on")
+      ->required()
+      ->expected(1)
+      ->take_all();
   command->add_option("--cap", a->cap, "Hard cap on everything the streamer holds, e.g. 64MiB")->required();
   command->add_option("-o,--output", a->out, "Folder for frames, stats.json and frames.csv");
   command->add_option("--frames", a->frames, "Path samples A (inclusive) to B (exclusive): A:B or A:B:STEP");
@@ -174,6 +191,17 @@ void add_replay(CLI::App& app, const SetCommand& set) {
   command->add_option("--look-ahead", a->look_ahead_s, "Seconds of the path that paging looks ahead")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 60.0));
+  command
+      ->add_option("--prediction", a->prediction,
+                   "What paging looks ahead along: the path itself, or each camera's "
+                   "velocity, as for a live camera")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Prediction>{{"path", Prediction::kPath}, {"velocity", Prediction::kVelocity}}))
+      ->option_text("path|velocity [path]");
+  command->add_option("--upload-budget", a->upload_budget,
+                      "Bytes of pages that a frame may upload (default: unlimited)");
+  command->add_flag("--trace", a->trace,
+                    "Also write trace.json: what paging did and when, for Perfetto or chrome://tracing");
   command
       ->add_option("--host-budget", a->host_budget, "Memory of the stand-in host's full-detail zones, outside the cap")
       ->capture_default_str();

@@ -5,9 +5,10 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
+#include <utility>
 
 #include "base/result.h"
+#include "replay/text_file.h"
 #include "runtime/renderer.h"
 #include "streamer/statistics.h"
 
@@ -16,17 +17,13 @@ namespace zc {
 class FrameLog {
  public:
   static Result<FrameLog> create(const std::filesystem::path& file, bool with_rays);
-  FrameLog(FrameLog&&) = default;
-  FrameLog& operator=(FrameLog&&) = default;
-  ~FrameLog();  // without close(): nothing is left behind
-
+  // drawn: of all cameras together.
   Status add(std::uint64_t frame, const FrameStatistics& paging, const FrameResult* drawn);
-  Status close();
+  Status close() { return text_.close(); }
 
  private:
-  FrameLog() = default;
-  std::filesystem::path file_, temporary_;
-  std::ofstream stream_;
+  explicit FrameLog(TextFile text) : text_(std::move(text)) {}
+  TextFile text_;  // without close(): nothing is left behind
 };
 
 }  // namespace zc

@@ -15,9 +15,11 @@
 #include "replay/png_file.h"
 #include "replay/process_memory.h"
 #include "replay/render_setup.h"
+#include "replay/trace_file.h"
 #include "replay/variant_cache.h"
 #include "replay/world_report.h"
 #include "replay/zone_table.h"
+#include "streamer/look_ahead.h"
 
 namespace zc {
 namespace {
@@ -41,6 +43,13 @@ const char* debug_name(DebugView view) {
       return "depth";
   }
   return "";
+}
+
+Status make_folder(const std::filesystem::path& folder) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) return Error{ErrorCode::kIo, "cannot create the folder: " + failure.message(), folder.string()};
+  return {};
 }
 
 double median(std::vector<double>& values) {
@@ -195,30 +204,46 @@ class Session {
   Status check_path() const {
     const std::uint64_t end = last_frame();
     if (options_.frames.begin >= end)
-      return Error{ErrorCode::kArgument, "the path has " + std::to_string(options_.path.size()) +
-                                             " samples, none of them in the frames asked for"};
+      return Error{ErrorCode::kArgument,
+                   "the path has " + std::to_string(lead().size()) + " samples, none of them in the frames asked for"};
     for (std::uint64_t frame = options_.frames.begin; frame < end; ++frame) {
-      if (const auto camera = make_camera(streamer_->index(), options_.path[frame]); !camera) return camera.error();
+      for (const CameraSample& sample : cameras_of(frame))
+        if (const auto camera = make_camera(streamer_->index(), sample); !camera) return camera.error();
     }
     return {};
   }
 
+  [[nodiscard]] const CameraPath& lead() const { return options_.paths.front(); }
+
   [[nodiscard]] std::uint64_t last_frame() const {  // exclusive
-    return std::min<std::uint64_t>(options_.frames.end, options_.path.size());
+    return std::min<std::uint64_t>(options_.frames.end, lead().size());
+  }
+
+  // Every camera in a frame.
+  [[nodiscard]] std::vector<CameraSample> cameras_of(std::uint64_t frame) const {
+    std::vector<CameraSample> cameras = {lead()[frame]};
+    for (std::size_t c = 1; c < options_.paths.size(); ++c)
+      cameras.push_back(camera_at(options_.paths[c], cameras.front().time_s));
+    return cameras;
+  }
+
+  // Where a camera's pictures go: the first one's lie where those of a single one would.
+  [[nodiscard]] std::filesystem::path pictures_of(std::size_t camera) const {
+    return camera == 0 ? options_.out : options_.out / ("camera_" + std::to_string(camera));
   }
 
   Status open_files() {
-    std::error_code failure;
-    std::filesystem::create_directories(options_.out / (options_.render ? "frames" : ""), failure);
-    if (failure) return Error{ErrorCode::kIo, "cannot create the folder: " + failure.message(), options_.out.string()};
-    for (const DebugView view : options_.debug_views) {
-      if (!options_.render) break;
-      std::filesystem::create_directories(options_.out / debug_name(view), failure);
-      if (failure)
-        return Error{ErrorCode::kIo, "cannot create the folder: " + failure.message(),
-                     (options_.out / debug_name(view)).string()};
+    std::vector<std::filesystem::path> folders = {options_.out};
+    for (std::size_t c = 0; options_.render && c < options_.paths.size(); ++c) {
+      folders.push_back(pictures_of(c) / "frames");
+      for (const DebugView view : options_.debug_views) folders.push_back(pictures_of(c) / debug_name(view));
     }
+    for (const std::filesystem::path& folder : folders) ZC_TRY(make_folder(folder));
     ZC_ASSIGN(log_, FrameLog::create(options_.out / "frames.csv", options_.render));
+    if (options_.trace) {
+      ZC_ASSIGN(trace_, TraceFile::create(options_.out / "trace.json", options_.streamer.threads));
+      streamer_->observe(trace_.get());
+    }
     return {};
   }
 
@@ -226,16 +251,19 @@ class Session {
     const std::uint64_t count =
         (last_frame() - options_.frames.begin + options_.frames.step - 1) / options_.frames.step;
     started_ = std::chrono::steady_clock::now();
-    const double first_s = options_.path[options_.frames.begin].time_s;
+    const double first_s = lead()[options_.frames.begin].time_s;
     for (std::uint64_t i = 0; i < count; ++i) {
       const std::uint64_t frame = options_.frames.begin + i * options_.frames.step;
-      const CameraSample& sample = options_.path[frame];
+      const std::vector<CameraSample> cameras = cameras_of(frame);
+      const double time_s = cameras.front().time_s;
       if (options_.streamer.clock == ClockKind::kWall)
-        std::this_thread::sleep_until(started_ + std::chrono::duration<double>(sample.time_s - first_s));
-      ZC_TRY(streamer_->advance(views_at(sample), sample.time_s));
+        std::this_thread::sleep_until(started_ + std::chrono::duration<double>(time_s - first_s));
+      const auto began = std::chrono::steady_clock::now();
+      ZC_TRY(streamer_->advance(views_of(cameras, time_s), time_s));
+      if (trace_) trace_->add_frame(frame, began, std::chrono::steady_clock::now(), streamer_->statistics());
       std::optional<FrameResult> drawn;
       if (options_.render) {
-        ZC_ASSIGN(drawn, draw(sample, frame, i, count));
+        ZC_ASSIGN(drawn, draw(cameras, time_s, frame, on_sheet(i, count)));
       }
       peak_rss_ = std::max(peak_rss_, resident_set_bytes());
       if (log_) ZC_TRY(log_->add(frame, streamer_->statistics().frame, drawn ? &*drawn : nullptr));
@@ -244,20 +272,53 @@ class Session {
     return {};
   }
 
-  // Now, and where the path will be; a still view looks nowhere but where it is.
-  std::vector<View> views_at(const CameraSample& sample) const {
-    std::vector<View> views = {View{sample.eye}};
-    if (!sample.name.empty()) return views;
-    for (std::uint32_t i = 1; i <= kLookAheadViews && options_.look_ahead_s > 0; ++i)
-      views.push_back({eye_at(options_.path, sample.time_s + options_.look_ahead_s * i / kLookAheadViews), i});
+  // Now, and where the cameras will be; a still view looks nowhere but where it is.
+  std::vector<View> views_of(const std::vector<CameraSample>& cameras, double time_s) {
+    std::vector<View> views;
+    for (std::size_t c = 0; c < cameras.size(); ++c) {
+      const glm::dvec3 eye = cameras[c].eye;
+      if (!cameras[c].name.empty()) {
+        views.push_back({eye});
+      } else if (options_.prediction == Prediction::kVelocity) {
+        const double passed_s = time_s - previous_s_;
+        const bool moves = c < previous_eyes_.size() && passed_s > 0;
+        const glm::dvec3 velocity = moves ? (eye - previous_eyes_[c]) / passed_s : glm::dvec3();
+        extrapolate_views(eye, velocity, options_.look_ahead_s, kLookAheadViews, views);
+      } else {
+        views.push_back({eye});
+        for (std::uint32_t i = 1; i <= kLookAheadViews && options_.look_ahead_s > 0; ++i)
+          views.push_back({eye_at(options_.paths[c], time_s + options_.look_ahead_s * i / kLookAheadViews), i});
+      }
+    }
+    previous_s_ = time_s;
+    previous_eyes_.clear();
+    for (const CameraSample& camera : cameras) previous_eyes_.push_back(camera.eye);
     return views;
   }
 
-  Result<FrameResult> draw(const CameraSample& sample, std::uint64_t frame, std::uint64_t ordinal,
-                           std::uint64_t count) {
+  // Every camera's picture; what is counted is of all of them together.
+  Result<FrameResult> draw(const std::vector<CameraSample>& cameras, double time_s, std::uint64_t frame, bool sheet) {
+    std::vector<View> views;
+    for (const CameraSample& camera : cameras) views.push_back({camera.eye});
+    ZC_TRY(drawing_.host_streamer->advance(views, time_s));
+    FrameResult all;
+    for (std::size_t c = 0; c < cameras.size(); ++c) {
+      ZC_ASSIGN(const FrameResult one, draw_camera(cameras[c], c, frame, sheet && c == 0));
+      all.counters.pixel_count += one.counters.pixel_count;
+      all.counters.rays_screen += one.counters.rays_screen;
+      all.counters.rays_proxy += one.counters.rays_proxy;
+      all.counters.rays_proxy_coarse += one.counters.rays_proxy_coarse;
+      all.counters.rays_sky += one.counters.rays_sky;
+      all.counters.rays_lost += one.counters.rays_lost;
+      for (std::size_t i = 0; i < kPassCount; ++i) all.pass_ms[i] += one.pass_ms[i];
+      all.total_ms += one.total_ms;
+    }
+    return all;
+  }
+
+  Result<FrameResult> draw_camera(const CameraSample& sample, std::size_t which, std::uint64_t frame, bool sheet) {
     ZC_ASSIGN(const RenderCamera camera, make_camera(streamer_->index(), sample));
     const View view{sample.eye};
-    ZC_TRY(drawing_.host_streamer->advance(std::span(&view, 1), sample.time_s));
     ZC_TRY(drawing_.host_table->update(view));
     ZC_TRY(drawing_.proxy_table->update(view));
     const double aspect = static_cast<double>(options_.renderer.width) / options_.renderer.height;
@@ -274,21 +335,22 @@ class Session {
     ++report_.rendered_frames;
     for (std::size_t i = 0; i < kPassCount; ++i) pass_samples_[i].push_back(result.pass_ms[i]);
     total_samples_.push_back(result.total_ms);
-    if (!options_.out.empty()) ZC_TRY(save_pictures(sample, camera, frame, on_sheet(ordinal, count)));
+    if (!options_.out.empty()) ZC_TRY(save_pictures(sample, camera, pictures_of(which), frame, sheet));
     measure_kernels(result);
     return result;
   }
 
-  Status save_pictures(const CameraSample& sample, const RenderCamera& camera, std::uint64_t frame, bool sheet) {
+  Status save_pictures(const CameraSample& sample, const RenderCamera& camera, const std::filesystem::path& out,
+                       std::uint64_t frame, bool sheet) {
     const double aspect = static_cast<double>(options_.renderer.width) / options_.renderer.height;
 
     char number[24];
     std::snprintf(number, sizeof(number), "%06llu.png", static_cast<unsigned long long>(frame));
     const std::string file = sample.name.empty() ? std::string(number) : sample.name + ".png";
-    ZC_TRY(save(options_.out / "frames" / file, options_.contact_sheet && sheet));
+    ZC_TRY(save(out / "frames" / file, options_.contact_sheet && sheet));
     for (const DebugView debug : options_.debug_views) {
       ZC_TRY(drawing_.renderer->draw_debug(debug, drawing_.proxy_table->draws(camera, aspect, true)));
-      ZC_TRY(save(options_.out / debug_name(debug) / file, false));
+      ZC_TRY(save(out / debug_name(debug) / file, false));
     }
     return {};
   }
@@ -335,6 +397,7 @@ class Session {
       report_.left_out.emplace_back("render: not asked for");
     }
     if (log_) ZC_TRY(log_->close());
+    if (trace_) ZC_TRY(trace_->close());
     if (!tiles_.empty()) ZC_TRY(write_png(options_.out / "contact_sheet.png", make_contact_sheet(tiles_, 3, 480)));
     return std::move(report_);
   }
@@ -344,6 +407,7 @@ class Session {
   std::unique_ptr<Source> source_;
   HeapPageSink heap_sink_;
   Drawing drawing_;
+  std::unique_ptr<TraceFile> trace_;
   std::unique_ptr<Streamer> streamer_;
   std::optional<FrameLog> log_;
   std::vector<Picture> tiles_;
@@ -352,6 +416,8 @@ class Session {
   bool measure_kernels_ = false;                   // as soon as a frame queues rays enough
   std::chrono::steady_clock::time_point started_;  // of the path's first frame, on the wall clock
   std::uint64_t peak_rss_ = 0;
+  std::vector<glm::dvec3> previous_eyes_;  // one a camera
+  double previous_s_ = 0;
   std::array<std::vector<double>, kPassCount> pass_samples_;
   std::vector<double> total_samples_;
 };

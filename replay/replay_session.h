@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A replay: a world, a path, a cap, and what came of it. The composition root's own composition.
+// A replay: a world, a path or several, a cap, and what came of it. The composition root's own composition.
 // Threads: one caller. Fails on bad input, a cap that is too small, a device that refuses.
 #pragma once
 
@@ -25,14 +25,23 @@ enum class KernelChoice {
   kMeasure,  // measured on the first frame that queues rays enough, and cached
 };
 
+// Where the look-ahead comes from.
+enum class Prediction {
+  kPath,      // the recording knows
+  kVelocity,  // what a live camera's last two frames tell
+};
+
 struct ReplayOptions {
   std::filesystem::path world;
   SourceOptions source;
-  CameraPath path;
+  // One a camera, at least one. Frames are the first one's samples; the others are where they are at those times.
+  std::vector<CameraPath> paths;
   std::filesystem::path out;  // empty: no files
   StreamerOptions streamer;
   std::uint64_t host_budget_bytes = 256ULL << 20U;  // of the host's full-detail zones, outside the cap
   double look_ahead_s = 2;
+  Prediction prediction = Prediction::kPath;
+  bool trace = false;  // write trace.json
   FrameRange frames;
   bool render = true;
   bool leave_nothing_out = false;

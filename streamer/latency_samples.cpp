@@ -19,7 +19,7 @@ void LatencySamples::add(double ms) {
     int octave = 0;
     const double mantissa = std::frexp(ms / kShortest_ms, &octave);  // 0.5 to 1: exact, unlike a logarithm
     const auto part = static_cast<std::size_t>((mantissa - 0.5) * 2 * kPerOctave);
-    bucket = std::min(static_cast<std::size_t>(octave - 1) * kPerOctave + part, counts_.size() - 1);
+    bucket = std::min(1 + static_cast<std::size_t>(octave - 1) * kPerOctave + part, counts_.size() - 1);
   }
   ++counts_[bucket];
 }
@@ -35,8 +35,9 @@ LatencySummary LatencySamples::summary() const {
       seen += counts_[b];
       if (seen < std::max<std::uint64_t>(wanted, 1)) continue;
       if (b + 1 == counts_.size()) break;  // the last one has no upper edge
-      const double edge = 1 + static_cast<double>(b % kPerOctave + 1) / kPerOctave;
-      return std::min(std::ldexp(kShortest_ms * edge, static_cast<int>(b / kPerOctave)), max_ms_);
+      if (b == 0) return 0.0;
+      const double edge = 1 + static_cast<double>((b - 1) % kPerOctave + 1) / kPerOctave;
+      return std::min(std::ldexp(kShortest_ms * edge, static_cast<int>((b - 1) / kPerOctave)), max_ms_);
     }
     return max_ms_;
   };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Percentiles of any number of durations in fixed memory: counts in buckets that grow by a 32nd of their octave, from a
-// 16th of a microsecond to an hour and more; a percentile is its bucket's upper edge, at most 3.2 % too large. The
-// largest is exact. Threads: one · units: milliseconds.
+// 16th of a microsecond, below which all is 0, to an hour and more; a percentile is its bucket's upper edge, at most
+// 3.2 % too large. The largest is exact. Threads: one · units: milliseconds.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who wants to see paging at work: what each page goes through, and when. Called inside Streamer::advance and its
-// destructor, on their thread. Units: the steady clock of this machine.
+// Who wants to see paging at work: what each page goes through, and when. Called inside Streamer::advance, on its
+// thread. Units: the steady clock of this machine.
 #pragma once
 
 #include <chrono>

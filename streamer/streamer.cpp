@@ -136,6 +136,8 @@ class Streamer::Impl {
     return belady(trace_.words(), in_pool, read, plan_.pool_bytes);
   }
 
+  void observe(PagingObserver* observer) { observer_ = observer; }
+
   [[nodiscard]] const WorldIndex& index() const { return index_; }
   [[nodiscard]] std::uint64_t pool_words() const { return plan_.pool_bytes / 4; }
   [[nodiscard]] const PagePool& pool() const { return pool_; }
@@ -159,7 +161,7 @@ class Streamer::Impl {
 
   void add_span(LoadState state, std::uint32_t node, unsigned worker, LoadWorkers::Time begin, LoadWorkers::Time end) {
     states_[static_cast<std::size_t>(state)].add(std::chrono::duration<double, std::milli>(end - begin).count());
-    if (options_.observer != nullptr) options_.observer->on_span({state, node, worker, begin, end});
+    if (observer_ != nullptr) observer_->on_span({state, node, worker, begin, end});
   }
 
   // What a worker did, and what came before it.
@@ -479,6 +481,7 @@ class Streamer::Impl {
   std::vector<Load> loads_;
   std::uint64_t next_ticket_ = 1;
 
+  PagingObserver* observer_ = nullptr;
   StreamerStatistics stats_;
   LatencySamples latencies_;
   std::array<LatencySamples, kLoadStateCount> states_;
@@ -510,6 +513,7 @@ Streamer::Streamer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Streamer::~Streamer() = default;
 
 Status Streamer::advance(std::span<const View> views, double time_s) { return impl_->advance(views, time_s); }
+void Streamer::observe(PagingObserver* observer) { impl_->observe(observer); }
 const WorldIndex& Streamer::index() const { return impl_->index(); }
 std::uint64_t Streamer::pool_words() const { return impl_->pool_words(); }
 std::span<const std::uint32_t> Streamer::cover() const { return impl_->pool().cover(); }

@@ -48,7 +48,6 @@ struct StreamerOptions {
   unsigned max_in_flight = 16;                        // requests outstanding, independent of threads
   std::uint64_t upload_bytes_per_frame = 0;           // of pages, at least one page a frame; 0 is unlimited
   std::uint64_t trace_limit_bytes = 1 << 20;          // record for optimal(); 0 records nothing
-  PagingObserver* observer = nullptr;                 // borrowed; outlives the streamer
   std::function<void(const Error&)> on_failure = {};  // once per node, on the calling thread
 };
 
@@ -68,6 +67,9 @@ class Streamer {
   // time_s never decreases.
   // Fails only when the sink fails.
   Status advance(std::span<const View> views, double time_s);
+
+  // Borrows it from now on; null: nobody.
+  void observe(PagingObserver* observer);
 
   [[nodiscard]] const WorldIndex& index() const;
   [[nodiscard]] std::uint64_t pool_words() const;

@@ -146,6 +146,24 @@ TEST(EyeAt, IsLinearBetweenSamplesAndHeldOutside) {
   EXPECT_EQ(eye_at(path, 1e9), glm::dvec3(10, 20, 0));
 }
 
+TEST(CameraAt, MixesTargetAndFieldOfViewButNeverStillViews) {
+  CameraPath path(2);
+  path[0] = {1, {0, 0, 0}, {1, 0, 0}, 40};
+  path[1] = {2, {10, 0, 0}, {11, 2, 0}, 60};
+  const CameraSample half = camera_at(path, 1.5);
+  EXPECT_EQ(half.eye, glm::dvec3(5, 0, 0));
+  EXPECT_EQ(half.target, glm::dvec3(6, 1, 0));
+  EXPECT_EQ(half.fov_y_deg, 50);
+  EXPECT_EQ(half.time_s, 1.5);
+  path[0].name = "still";
+  EXPECT_EQ(camera_at(path, 1.9).eye, glm::dvec3(0, 0, 0));
+  EXPECT_EQ(camera_at(path, 2).eye, glm::dvec3(10, 0, 0));
+  CameraPath turn(2);
+  turn[0] = {0, {0, 0, 0}, {1, 0, 0}};
+  turn[1] = {1, {0, 0, 0}, {-1, 0, 0}};
+  EXPECT_NE(camera_at(turn, 0.5).target, camera_at(turn, 0.5).eye);
+}
+
 TEST(EyeAt, JumpsBetweenSamplesOfOneTime) {
   CameraPath path(2);
   path[0] = {1, {0, 0, 0}, {1, 0, 0}};

@@ -213,5 +213,109 @@ TEST(PagingStatistics, thrash_is_a_reload_soon_after_the_eviction) {
   EXPECT_EQ((*streamer)->statistics().teleports.count, 11U);
 }
 
+class Recorder final : public PagingObserver {
+ public:
+  void on_span(const PagingSpan& span) override { spans.push_back(span); }
+  std::vector<PagingSpan> spans;
+};
+
+TEST(PagingObserver, sees_every_state_of_every_page_in_order) {
+  MemorySource source(world().files);
+  HeapPageSink sink;
+  Recorder recorder;
+  StreamerOptions options = unlimited();
+  options.threads = 3;
+  auto streamer = Streamer::open(source, options, sink);
+  ASSERT_TRUE(streamer.ok());
+  (*streamer)->observe(&recorder);
+  const View view = at(100, 100);
+  ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), 0).ok());
+  const std::uint64_t pages = (*streamer)->statistics().zones_loaded - 1;
+  ASSERT_GT(pages, 5U);
+  EXPECT_EQ(recorder.spans.size(), 4 * pages);
+  for (std::size_t i = 0; i < recorder.spans.size(); ++i) {
+    const PagingSpan& span = recorder.spans[i];
+    EXPECT_EQ(static_cast<std::size_t>(span.state), i % 4);
+    EXPECT_LE(span.begin, span.end);
+    EXPECT_LT(span.worker, 3U);
+    if (i % 4 == 0) continue;
+    EXPECT_EQ(span.node, recorder.spans[i - 1].node);
+    EXPECT_GE(span.begin, recorder.spans[i - 1].end);
+  }
+  const StreamerStatistics s = (*streamer)->statistics();
+  EXPECT_EQ(s.state_ms[static_cast<std::size_t>(LoadState::kDecoding)].samples, pages);
+  EXPECT_EQ(s.state_ms[static_cast<std::size_t>(LoadState::kRetiring)].samples, 0U);
+}
+
+// Cameras, teleports, reversals: one budget.
+TEST(Cameras, share_one_budget_and_each_gets_what_it_asks_for) {
+  const double size = test::tiny_world_size_m({.levels = 4});
+  const auto wanted_of = [&](std::span<const View> views, std::uint64_t cap) {
+    MemorySource source(world().files);
+    HeapPageSink sink;
+    StreamerOptions options = unlimited();
+    options.cap_bytes = cap;
+    auto streamer = Streamer::open(source, options, sink);
+    EXPECT_TRUE(streamer.ok());
+    EXPECT_TRUE((*streamer)->advance(views, 0).ok());
+    EXPECT_EQ((*streamer)->statistics().frame.missing_nodes, 0U);
+    EXPECT_LE((*streamer)->statistics().ledger.peak_bytes, cap);
+    std::vector<std::uint32_t> there((*streamer)->cover().begin(), (*streamer)->cover().end());
+    return there;
+  };
+  const std::vector<View> both = {at(30, 30), at(size - 30, size - 30)};
+  const std::vector<std::uint32_t> first = wanted_of(std::span(both).first(1), 64 << 20U);
+  const std::vector<std::uint32_t> second = wanted_of(std::span(both).last(1), 64 << 20U);
+  const std::vector<std::uint32_t> together = wanted_of(both, 64 << 20U);
+  // What is shown at leaf level for one of them is for both.
+  for (const std::uint32_t n : together) {
+    const auto shows = [&](const std::vector<std::uint32_t>& cut) { return std::ranges::count(cut, n) > 0; };
+    EXPECT_TRUE(shows(first) || shows(second)) << n;
+  }
+  const auto leaves = [&](const std::vector<std::uint32_t>& cut) {
+    return std::ranges::count_if(cut, [&](std::uint32_t n) { return world().index.nodes[n].child_count == 0; });
+  };
+  EXPECT_EQ(leaves(together), leaves(first) + leaves(second));
+}
+
+TEST(Cameras, teleports_and_reversals_of_two_cameras_stay_under_the_cap_and_repeat_at_any_thread_count) {
+  const double size = test::tiny_world_size_m({.levels = 4});
+  std::uint64_t pages = 0;
+  for (const NodeRecord& node : world().index.nodes) pages += pool_bytes(node);
+  std::string log;
+  for (const unsigned threads : {1U, 2U, 4U, 8U}) {
+    MemorySource source(world().files);
+    HeapPageSink sink;
+    StreamerOptions options = unlimited();
+    options.cap_bytes = smallest_cap_bytes(world().index) + pages;
+    options.threads = threads;
+    options.source_latency_s = 0.05;
+    options.source_bandwidth_bytes_per_s = 5e4;
+    options.tolerance = 0.004;
+    auto streamer = Streamer::open(source, options, sink);
+    ASSERT_TRUE(streamer.ok());
+    std::mt19937 random(7);
+    double along = 0;
+    double step = 3;
+    for (int f = 0; f < 600; ++f) {
+      if (f % 50 == 49) step = -step;                                        // a reversal
+      if (f % 120 == 119) along += along > size / 2 ? -size / 2 : size / 2;  // a teleport
+      along += step;
+      const std::vector<View> views = {at(along, 200), at(along + 8 * step, 200, 1), at(200, size - along),
+                                       at(200, size - along - 8 * step, 1)};
+      ASSERT_TRUE((*streamer)->advance(views, f / 30.0).ok());
+    }
+    const StreamerStatistics s = (*streamer)->statistics();
+    EXPECT_EQ(s.frames_over_cap, 0U);
+    EXPECT_LE(s.ledger.peak_bytes, options.cap_bytes);
+    EXPECT_EQ(s.teleports.count, 5U);
+    EXPECT_GT(s.teleports.to_target_ms.samples + s.teleports.unfinished, 0U);
+    EXPECT_GT(s.requests.cancelled, 0U);
+    EXPECT_EQ(s.requests.issued, s.requests.completed + s.requests.cancelled + s.requests.failed + s.frame.in_flight);
+    if (log.empty()) log = s.event_log_xxh3;
+    EXPECT_EQ(s.event_log_xxh3, log) << threads;
+  }
+}
+
 }  // namespace
 }  // namespace zc

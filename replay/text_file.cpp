@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replay/text_file.h"
+
+namespace zc {
+
+Result<TextFile> TextFile::create(const std::filesystem::path& file) {
+  TextFile text;
+  text.file_ = file;
+  text.temporary_ = file;
+  text.temporary_ += ".tmp";
+  text.stream_.open(text.temporary_, std::ios::trunc);
+  ZC_TRY(text.status());
+  return text;
+}
+
+TextFile::~TextFile() {
+  if (!stream_.is_open()) return;
+  stream_.close();
+  std::error_code ignored;  // the temporary file is all that could stay, and a failure already has its own message
+  std::filesystem::remove(temporary_, ignored);
+}
+
+Status TextFile::status() const {
+  if (!stream_) return Error{ErrorCode::kIo, "cannot write", file_.string()};
+  return {};
+}
+
+Status TextFile::close() {
+  stream_.close();
+  std::error_code failure;
+  std::error_code ignored;
+  if (!stream_) {
+    std::filesystem::remove(temporary_, ignored);
+    return status();
+  }
+  std::filesystem::rename(temporary_, file_, failure);
+  if (failure) {
+    std::filesystem::remove(temporary_, ignored);
+    return Error{ErrorCode::kIo, "cannot rename into place: " + failure.message(), file_.string()};
+  }
+  return {};
+}
+
+}  // namespace zc

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Paging along paths: several cameras, teleports, the trace, the ledger against the process."""
+
+import json
+import re
+
+import support
+
+
+class Paging(support.Case):
+    @classmethod
+    def prepare(cls):
+        cls.world, cls.drive, cls.back = cls.folder / "world", cls.folder / "drive.csv", cls.folder / "back.csv"
+        source = cls.folder / "city.city.json"
+        support.write_small_city(source)
+        cls.zonecast("bake", source, "-o", cls.world, "--leaf-triangles", "64")
+        support.small_drive(cls.drive)
+        lines = cls.drive.read_text().splitlines()
+        times = [line.split(",", 1)[0] for line in lines[1:]]
+        places = [line.split(",", 1)[1] for line in reversed(lines[1:])]
+        cls.back.write_text("\n".join([lines[0], *map(",".join, zip(times, places))]) + "\n")
+
+    def replay(self, name, *more):
+        out = self.folder / name
+        self.zonecast("replay", self.world, "-o", out, *more)
+        return support.read_stats(out)
+
+    def test_every_camera_gets_its_pictures_under_one_cap(self):
+        common = ("--cap", "64MiB", "--frames", "0:40:20", "--size", "160x90", "--source-latency", "0s")
+        self.replay("two", "--path", self.drive, "--path", self.back, "--debug-views", "depth", *common)
+        stats = support.read_stats(self.folder / "two")
+        self.assertEqual(stats["frames"], 2)
+        self.assertEqual(stats["rendered_frames"], 4)
+        self.assertEqual(stats["rays"]["lost"], 0)
+        self.assertEqual(stats["rays"]["total"], sum(count for kind, count in stats["rays"].items() if kind != "total"))
+        rows = (self.folder / "two" / "frames.csv").read_text().splitlines()
+        self.assertEqual(len(rows), 3)
+        for path, folder in ((self.drive, "."), (self.back, "camera_1")):
+            self.replay("one", "--path", path, "--debug-views", "depth", *common)
+            for view in ("frames", "depth"):
+                for name in ("000000.png", "000020.png"):
+                    alone = support.read_png(self.folder / "one" / view / name)
+                    together = support.read_png(self.folder / "two" / folder / view / name)
+                    if view == "depth":
+                        self.assertEqual(alone, together)
+                    else:  # zones are finer where the other camera is near: reflections may differ a little
+                        self.assertLess(support.rmse(alone, together), 4.0)
+
+    def test_a_trace_has_a_track_a_worker_and_counts_what_the_ledger_does(self):
+        stats = self.replay("traced", "--path", self.drive, "--no-render", "--cap", "4MiB", "--trace", "--threads", "3",
+                            "--source-latency", "50ms", "--source-bandwidth", "1MB/s")
+        trace = json.loads((self.folder / "traced" / "trace.json").read_text())
+        events = trace["traceEvents"]
+        tracks = {event["tid"]: event["args"]["name"] for event in events if event["name"] == "thread_name"}
+        self.assertEqual(sorted(tracks.values()), ["frames", "worker 0", "worker 1", "worker 2"])
+        spans = [event for event in events if event["ph"] == "X"]
+        for span in spans:
+            self.assertGreaterEqual(span["dur"], 0)
+            wanted = r"worker \d" if span["name"] in ("reading", "decoding") else "frames"
+            self.assertRegex(tracks[span["tid"]], wanted)
+        for state in ("reading", "decoding", "uploading"):
+            count = sum(span["name"] == state for span in spans)
+            self.assertGreaterEqual(count, stats["requests"]["completed"] - 1, state)  # the root came before the trace
+        self.assertEqual(sum(event["ph"] == "b" for event in events), sum(event["ph"] == "e" for event in events))
+        counters = [event["args"] for event in events if event["name"] == "ledger"]
+        self.assertEqual(len(counters), stats["frames"])
+        self.assertLessEqual(max(sum(counter.values()) for counter in counters), stats["peak_ledger_bytes"])
+        # Two spans of one worker never overlap.
+        for track, name in tracks.items():
+            if re.fullmatch(r"worker \d", name):
+                mine = sorted((span["ts"], span["ts"] + span["dur"]) for span in spans if span["tid"] == track)
+                for (_, end), (begin, _) in zip(mine, mine[1:]):
+                    self.assertLessEqual(end, begin + 0.002)  # printed to the nanosecond
+
+    def test_paths_that_jump_are_measured(self):
+        path = self.folder / "jumps.csv"
+        samples = []
+        for i in range(120):
+            x = 650000 + (20 if i // 30 % 2 == 0 else 280)
+            samples.append((i / 30, (x, 5400029, 302), (x + 10, 5400028, 301.5)))
+        support.write_path(path, samples)
+        slow = ("--source-latency", "50ms", "--source-bandwidth", "1MB/s", "--no-render", "--cap", "16MiB", "--tolerance",
+                "0.1", "--path", path)
+        known = self.replay("jumps", *slow)
+        self.assertEqual(known["teleports"]["count"], 3)
+        live = self.replay("live", *slow, "--prediction", "velocity")
+        self.assertEqual(live["teleports"]["count"], 3)
+        self.assertEqual(live["teleports"]["unfinished"], 0)
+        # Whoever knows the path has loaded what a live camera comes upon.
+        self.assertLess(known["teleports"]["to_target_ms"]["max"], live["teleports"]["to_target_ms"]["max"])
+        self.assertGreater(known["wanted_level_fraction"], live["wanted_level_fraction"])
+        self.assertGreater(known["prefetch"]["used_bytes"], 0)
+
+    def test_options_that_make_no_sense_are_refused(self):
+        base = ("replay", self.world, "--cap", "16MiB", "--no-render")
+        self.assert_refused((*base, "--path", self.drive, "--trace"), 2, "--trace")
+        self.assert_refused((*base, "--path", self.drive, "--path", self.folder / "none.csv"), 1, "none.csv")
+        self.assert_refused((*base, "--path", self.drive, "--prediction", "tarot"), 2, "--prediction")
+        self.assert_refused((*base, "--path", self.drive, "--upload-budget", "much"), 2, "much")
+
+
+if __name__ == "__main__":
+    support.main()
