@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// The ledger against the executable's own operator new; sources that fail in every way; stops at any moment; and loads
+// without end. ZONECAST_LOADS sets how many (1000000: some minutes).
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <mutex>
+#include <random>
+#include <thread>
+
+#include "streamer/streamer.h"
+#include "tests/unit/counted_memory.h"
+#include "tests/unit/streamer/tiny_world.h"
+
+namespace zc {
+namespace {
+
+using test::MemorySource;
+using test::TinyWorld;
+
+constexpr test::TinyWorldOptions kShape = {.levels = 4, .grid = 8, .soup = 10};
+
+const TinyWorld& world() {
+  static const TinyWorld kWorld = test::make_tiny_world(kShape);
+  return kWorld;
+}
+
+std::uint64_t all_pages() {
+  std::uint64_t bytes = 0;
+  for (const NodeRecord& node : world().index.nodes) bytes += pool_bytes(node);
+  return bytes;
+}
+
+StreamerOptions options_for(double share) {
+  StreamerOptions options;
+  options.cap_bytes =
+      smallest_cap_bytes(world().index) + static_cast<std::uint64_t>(share * static_cast<double>(all_pages()));
+  options.tolerance = 0.004;
+  options.max_in_flight = 6;
+  return options;
+}
+
+View view_at(double t) {
+  const double size = test::tiny_world_size_m(kShape);
+  return {{test::kTinyOrigin_m + size * (0.5 + 0.45 * std::cos(t)),
+           test::kTinyOrigin_m + size * (0.5 + 0.45 * std::sin(2 * t)), 2.0}};
+}
+
+std::size_t thread_count() {
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) count += entry.exists() ? 1 : 0;
+  return count;
+}
+
+#ifdef __SANITIZE_ADDRESS__
+long long held() { return 0; }
+#else
+long long held() { return test::held_bytes; }
+#endif
+
+// Cut, flipped, stalled and missing files, a share of all reads each; the root's and the index's are always whole.
+class FaultySource final : public Source {
+ public:
+  explicit FaultySource(std::uint32_t seed) : files_(world().files), random_(seed) {}
+
+  Result<std::vector<std::byte>> read(const std::string& name, std::uint64_t bytes) override {
+    ZC_ASSIGN(std::vector<std::byte> data, files_.read(name, bytes));
+    if (!faults_ || name.starts_with("zones/0/")) return data;
+    switch (roll()) {
+      case 0:
+        data.resize(data.size() / 2);
+        break;
+      case 1:
+        data[data.size() / 3] ^= std::byte{1};
+        break;
+      case 2:
+        return Error{ErrorCode::kIo, "no such file", name};
+      case 3:
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        return Error{ErrorCode::kIo, "timed out", name};
+      case 4:
+        data.resize(data.size() + 7);
+        break;
+      default:
+        break;
+    }
+    return data;
+  }
+  Result<std::vector<std::byte>> read_all(const std::string& name, std::uint64_t limit_bytes) override {
+    return files_.read_all(name, limit_bytes);
+  }
+  void recover() { faults_ = false; }
+
+ private:
+  std::uint32_t roll() {
+    const std::lock_guard lock(mutex_);
+    return static_cast<std::uint32_t>(random_() % 12);
+  }
+
+  MemorySource files_;
+  std::atomic<bool> faults_ = true;
+  std::mutex mutex_;
+  std::mt19937 random_;
+};
+
+TEST(PagingMemory, never_is_more_than_the_ledger_says) {
+  if (!test::kCountsMemory) GTEST_SKIP() << "AddressSanitizer's operator new counts nothing";
+  for (const double share : {0.2, 0.6, 1.5}) {
+    MemorySource source(world().files);
+    const StreamerOptions options = options_for(share);
+    std::uint64_t peak = 0;
+    const long long most = test::most_memory_of([&] {
+      HeapPageSink sink;
+      auto streamer = Streamer::open(source, options, sink);
+      ASSERT_TRUE(streamer.ok());
+      for (int f = 0; f < 300; ++f) {
+        const View view = view_at(f / 40.0);
+        ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), f / 30.0).ok());
+      }
+      peak = (*streamer)->statistics().ledger.peak_bytes;
+      EXPECT_GT((*streamer)->statistics().zones_loaded, 3U);
+    });
+    EXPECT_LE(most, static_cast<long long>(peak)) << share;
+    EXPECT_LE(peak, options.cap_bytes);
+    EXPECT_GE(3 * most, static_cast<long long>(peak)) << share;  // nor is the ledger all air
+  }
+}
+
+TEST(PagingFaults, cost_detail_and_nothing_else_and_heal) {
+  for (std::uint32_t seed = 0; seed < 6; ++seed) {
+    for (const ClockKind clock : {ClockKind::kVirtual, ClockKind::kWall}) {
+      const long long before = held();
+      {
+        FaultySource source(seed);
+        HeapPageSink sink;
+        StreamerOptions options = options_for(seed % 2 == 0 ? 0.6 : 4.0);
+        options.clock = clock;
+        options.settle = clock == ClockKind::kWall;
+        auto streamer = Streamer::open(source, options, sink);
+        ASSERT_TRUE(streamer.ok());
+        const auto drive = [&](double from_s) {
+          for (int f = 0; f < 200; ++f) {
+            const View view = view_at(f / 30.0);
+            ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), from_s + f / 30.0).ok());
+            const StreamerStatistics s = (*streamer)->statistics();
+            ASSERT_LE(s.frame.ledger_bytes, options.cap_bytes);
+            ASSERT_GE(s.frame.cover_nodes, 1U);
+            ASSERT_EQ(s.requests.issued,
+                      s.requests.completed + s.requests.cancelled + s.requests.failed + s.frame.in_flight);
+          }
+        };
+        drive(0);
+        const StreamerStatistics sick = (*streamer)->statistics();
+        EXPECT_GT(sick.requests.failed, 3U);
+        EXPECT_GT(sick.requests.retried, 0U);
+        source.recover();
+        drive(100);
+        const StreamerStatistics well = (*streamer)->statistics();
+        EXPECT_EQ(well.requests.failed, sick.requests.failed);
+        if (seed % 2 == 1) {
+          EXPECT_EQ(well.frame.missing_nodes, 0U);
+        }
+        EXPECT_EQ(well.frames_over_cap, 0U);
+      }  // the ledger checks that every byte came back
+      EXPECT_LE(std::abs(held() - before), 4096);
+    }
+  }
+}
+
+TEST(PagingStop, at_any_moment_joins_every_thread_and_returns_every_byte) {
+  const std::size_t threads = thread_count();
+  const long long before = held();
+  std::mt19937 random(9);
+  for (int i = 0; i < 60; ++i) {
+    FaultySource source(static_cast<std::uint32_t>(i));
+    HeapPageSink sink;
+    StreamerOptions options = options_for(0.8);
+    options.threads = 1 + static_cast<unsigned>(i % 8);
+    options.clock = i % 2 == 0 ? ClockKind::kVirtual : ClockKind::kWall;
+    options.source_latency_s = i % 2 == 0 ? 0.1 : 0;
+    auto streamer = Streamer::open(source, options, sink);
+    ASSERT_TRUE(streamer.ok());
+    for (std::uint32_t f = 0; f < random() % 12; ++f) {
+      const View view = view_at(static_cast<double>(random() % 700) / 100);
+      ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), f / 30.0).ok());
+    }
+  }
+  EXPECT_EQ(thread_count(), threads);
+  EXPECT_LE(std::abs(held() - before), 4096);
+}
+
+TEST(PagingMemory, does_not_grow_with_loads) {
+  const char* asked = std::getenv("ZONECAST_LOADS");
+  const std::uint64_t loads = asked != nullptr ? std::strtoull(asked, nullptr, 10) : 5000;
+  MemorySource source(world().files);
+  HeapPageSink sink;
+  StreamerOptions options = options_for(0.3);
+  options.trace_limit_bytes = 0;
+  auto streamer = Streamer::open(source, options, sink);
+  ASSERT_TRUE(streamer.ok());
+  long long early = 0;
+  for (int f = 0; (*streamer)->statistics().zones_loaded < loads; ++f) {
+    ASSERT_LT(f, 20'000'000);
+    const View view = view_at(f);  // far from where it was
+    ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), f / 30.0).ok());
+    if (early == 0 && (*streamer)->statistics().zones_loaded > loads / 10) early = held();
+  }
+  EXPECT_LE(held() - early, 16384);
+  EXPECT_LE((*streamer)->statistics().ledger.peak_bytes, options.cap_bytes);
+}
+
+}  // namespace
+}  // namespace zc
