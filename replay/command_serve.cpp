@@ -46,7 +46,9 @@ Status run(const Arguments& arguments) {
     sigwait(&signals, &one);
     server->stop();
   });
-  std::cout << arguments.world << ": at http://" << options.address << ':' << server->port() << '/' << end << std::endl;
+  const bool bare = options.address.find(':') != std::string::npos && options.address.front() != '[';  // IPv6
+  const std::string host = bare ? '[' + options.address + ']' : options.address;
+  std::cout << arguments.world << ": at http://" << host << ':' << server->port() << '/' << end << std::endl;
   server->run();
   pthread_kill(waiter.native_handle(), SIGTERM);  // when it ended by itself
   waiter.join();
