@@ -9,6 +9,7 @@ void add_bench(CLI::App& app, const SetCommand& set) {
   add_bench_build(*command, set);
   add_bench_trace(*command, set);
   add_bench_top_level(*command, set);
+  add_bench_paging(*command, set);
 }
 
 }  // namespace zc

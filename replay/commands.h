@@ -22,6 +22,7 @@ void add_serve(CLI::App& app, const SetCommand& set);
 void add_bench(CLI::App& app, const SetCommand& set);
 void add_bench_build(CLI::App& bench, const SetCommand& set);
 void add_bench_trace(CLI::App& bench, const SetCommand& set);
+void add_bench_paging(CLI::App& app, const SetCommand& set);
 void add_bench_top_level(CLI::App& bench, const SetCommand& set);
 
 }  // namespace zc

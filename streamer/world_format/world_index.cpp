@@ -227,8 +227,13 @@ Result<WorldIndex> decode_world_index(std::span<const std::byte> bytes, const st
     return Error{ErrorCode::kFormat, "body hash mismatch", path, offsetof(WorldHeader, body_xxh3)};
 
   const std::byte* at = body.data();
-  index.nodes.resize(index.header.node_count);
-  std::memcpy(index.nodes.data(), at, index.nodes.size() * sizeof(NodeRecord));
+  const auto* records = reinterpret_cast<const NodeRecord*>(at);
+  if (reinterpret_cast<std::uintptr_t>(at) % alignof(NodeRecord) == 0) {
+    index.nodes.assign(records, records + index.header.node_count);  // a million are not set to zero first
+  } else {
+    index.nodes.resize(index.header.node_count);
+    std::memcpy(index.nodes.data(), at, index.nodes.size() * sizeof(NodeRecord));
+  }
   at += index.nodes.size() * sizeof(NodeRecord);
   index.materials.resize(index.header.material_count);
   std::memcpy(index.materials.data(), at, index.materials.size() * sizeof(MaterialRecord));
