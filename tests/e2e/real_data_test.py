@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Real cities: a town under a small cap, an inner-city street with pictures, and two more models."""
 
+import json
 import unittest
 
 import support
@@ -56,6 +57,46 @@ class Bayreuth(support.Case):
         held = stats["peak_rss_bytes"] - stats["baseline_rss_bytes"]
         print(f"ledger {stats['peak_ledger_bytes'] / MIB:.1f} MiB, process {held / MIB:.1f} MiB above its baseline")
         self.assertLessEqual(abs(held - stats["peak_ledger_bytes"]), 0.1 * stats["peak_ledger_bytes"] + 8 * MIB)
+
+
+@needs("bayreuth.city.jsonl", "bayreuth_drive.csv")
+class BayreuthInSmallZones(support.Case):
+    """The same town in zones that take little memory to decode, from a folder and from an archive, over a slow link."""
+
+    @classmethod
+    def prepare(cls):
+        cls.worlds = [cls.folder / "world", cls.folder / "world.3tz"]
+        cls.zonecast("bake", support.DATA / "bayreuth.city.jsonl", "--leaf-triangles", "1000", "-o", cls.worlds[0])
+        cls.zonecast("pack", cls.worlds[0], "-o", cls.worlds[1])
+        report = json.loads(cls.zonecast("inspect", cls.worlds[0], "--json"))
+        cls.decoded, cls.smallest = report["decoded_bytes"], report["smallest_cap_bytes"]
+
+    def page(self, world, cap, *more):
+        out = self.folder / "out"
+        self.zonecast("replay", world, "--path", support.DATA / "bayreuth_drive.csv", "--no-render", "--cap", cap,
+                      "--tolerance", "0.05", "--source-latency", "50ms", "--source-bandwidth", "20MB/s", "-o", out, *more)
+        return support.read_stats(out)
+
+    def test_every_cap_holds_for_ledger_and_process_and_paging_is_near_beladys(self):
+        for share, level in ((1, 0.99), (2, 0.99), (4, 0), (8, 0)):
+            cap = max(self.decoded // share, self.smallest)
+            logs = set()
+            for world in self.worlds:
+                with self.subTest(share=share, world=world.name):
+                    stats = self.page(world, cap)
+                    self.assertEqual(stats["frames_over_cap"], 0)
+                    self.assertLessEqual(stats["peak_ledger_bytes"], cap)
+                    self.assertGreaterEqual(stats["wanted_level_fraction"], level)
+                    if stats["bytes_read_optimal"] is not None:  # there was room for the record
+                        self.assertLessEqual(stats["bytes_read"], 1.15 * stats["bytes_read_optimal"])
+                    held = stats["peak_rss_bytes"] - stats["baseline_rss_bytes"]
+                    self.assertLessEqual(held, 1.05 * cap + 4 * MIB)
+                    logs.add(stats["event_log_xxh3"])
+            self.assertEqual(len(logs), 1)
+
+    def test_pages_the_same_with_any_number_of_threads(self):
+        logs = {self.page(self.worlds[0], self.decoded // 2, "--threads", n)["event_log_xxh3"] for n in (1, 2, 4, 8)}
+        self.assertEqual(len(logs), 1)
 
 
 @needs("ingolstadt/ingolstadt.city.json", "ingolstadt/drive.csv")
