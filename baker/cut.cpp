@@ -18,6 +18,10 @@ constexpr std::int64_t kWholeObjectMaxM = 128;
 // Objects with more than this many zones' worth of triangles are cut: a zone must stay small against the memory cap.
 constexpr std::uint64_t kWholeObjectMaxZones = 4;
 
+// Pieces, for each that there is now, that a cut may make at most: where more triangles lie over each other than beside
+// each other, smaller cells hold hardly fewer.
+constexpr std::uint64_t kPiecesMax = 2;
+
 struct WholeObject {
   std::uint32_t first = 0;
   std::uint32_t count = 0;
@@ -38,13 +42,29 @@ std::uint64_t triangles_in(const Subtree& tree) {
   return count;
 }
 
+// At most so many triangles a cut in the middle leaves in all quarters together, clipped polygons counted as one.
+std::uint64_t pieces_in_quarters(const Subtree& tree, const std::array<std::int64_t, 2>& middle) {
+  std::uint64_t count = triangles_in(tree) - tree.cut.size();
+  for (const LooseFace& face : tree.cut) {
+    LatticeBox box;
+    for (const LatticePoint& p : face.p) box.add(p);
+    std::uint64_t quarters = 1;
+    for (std::size_t axis = 0; axis < 2; ++axis)
+      if (box.min[axis] < middle[axis] && box.max[axis] > middle[axis]) quarters *= 2;
+    count += quarters;
+  }
+  return count;
+}
+
 void split(Subtree& tree, const CellGrid& grid, std::uint32_t leaf_triangles) {
   // One object that stays whole gains nothing from smaller cells.
   const bool divisible = !tree.cut.empty() || tree.whole.size() > 1;
-  if (!divisible || triangles_in(tree) <= leaf_triangles || !grid.can_split(tree.zone.depth)) return;
+  const std::uint64_t triangles = triangles_in(tree);
+  if (!divisible || triangles <= leaf_triangles || !grid.can_split(tree.zone.depth)) return;
   const std::int64_t half = grid.cell_size(tree.zone.depth) / 2;
   const std::array<std::int64_t, 2> middle = {(2 * std::int64_t{tree.zone.cell_x} + 1) * half,
                                               (2 * std::int64_t{tree.zone.cell_y} + 1) * half};
+  if (pieces_in_quarters(tree, middle) > kPiecesMax * triangles) return;
   std::array<std::unique_ptr<Subtree>, 4> parts;
   for (std::uint32_t i = 0; i < 4; ++i) {
     parts[i] = std::make_unique<Subtree>();

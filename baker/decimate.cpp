@@ -17,7 +17,7 @@
 namespace zc {
 namespace {
 
-constexpr std::size_t kFanFaces = 512;  // a vertex of more stays: each look at its collapses would go round all of them
+constexpr std::size_t kFanFaces = 128;  // around one vertex: every look at a collapse onto it goes round all of them
 
 struct Traits : OpenMesh::DefaultTraits {
   using Point = OpenMesh::Vec3d;
@@ -119,9 +119,10 @@ void silence_openmesh() {
 
 }  // namespace
 
-LatticeMesh decimate(const LatticeMesh& mesh, const std::vector<bool>& locked, const DecimateOptions& options) {
+LatticeMesh decimate(LatticeMesh mesh, std::vector<bool> locked, const DecimateOptions& options) {
   ZC_CHECK(locked.size() == mesh.vertices.size());
   if (mesh.faces.empty()) return mesh;
+  cut_wide_fans(mesh, kFanFaces, locked);
   silence_openmesh();
   // Small numbers keep the quadrics well conditioned.
   const LatticePoint origin = bounds_of(mesh).min;
@@ -153,12 +154,8 @@ LatticeMesh decimate(const LatticeMesh& mesh, const std::vector<bool>& locked, c
     ZC_CHECK(face.is_valid());
     half_edges.property(tag, face) = tag_of(mesh.faces[i]);
   }
-  std::vector<std::size_t> fan_faces(source.size());
-  for (const auto face : half_edges.faces())
-    for (Mesh::FaceVertexIter v(half_edges, face); v.is_valid(); ++v) ++fan_faces[static_cast<std::size_t>(v->idx())];
   for (std::size_t i = 0; i < source.size(); ++i)
-    if (locked[source[i]] || fan_faces[i] > kFanFaces)
-      half_edges.status(Mesh::VertexHandle(static_cast<int>(i))).set_locked(true);
+    if (locked[source[i]]) half_edges.status(Mesh::VertexHandle(static_cast<int>(i))).set_locked(true);
   half_edges.update_face_normals();
 
   {

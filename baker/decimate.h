@@ -20,6 +20,6 @@ struct DecimateOptions {
 };
 
 // locked: per vertex of `mesh`; those stay.
-LatticeMesh decimate(const LatticeMesh& mesh, const std::vector<bool>& locked, const DecimateOptions& options);
+LatticeMesh decimate(LatticeMesh mesh, std::vector<bool> locked, const DecimateOptions& options);
 
 }  // namespace zc

@@ -2,6 +2,8 @@
 #include "baker/manifold_fans.h"
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "baker/union_find.h"
 
@@ -51,6 +53,45 @@ ManifoldFans split_into_fans(const LatticeMesh& mesh) {
     out.face_fans[c / 3][c % 3] = fan_of[root];
   }
   return out;
+}
+
+void cut_wide_fans(LatticeMesh& mesh, std::size_t most, std::vector<bool>& locked) {
+  std::vector<std::size_t> count(mesh.vertices.size());
+  for (const LatticeFace& face : mesh.faces)
+    for (const std::uint32_t v : face.v) ++count[v];
+  std::map<std::uint32_t, std::vector<std::uint32_t>> wide;  // faces by vertex
+  for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+    for (const std::uint32_t v : mesh.faces[f].v)
+      if (count[v] > most) wide[v].push_back(f);
+
+  for (const auto& [hub, faces] : wide) {
+    std::map<std::uint32_t, std::vector<std::uint32_t>> spokes;  // faces by the edge's other vertex
+    for (const std::uint32_t f : faces)
+      for (const std::uint32_t v : mesh.faces[f].v)
+        if (v != hub) spokes[v].push_back(f);
+    std::map<std::uint32_t, std::size_t> sector;  // by face
+    std::set<std::uint32_t> passed;               // spokes
+    for (const std::uint32_t first : faces) {     // neighbours after one another
+      std::vector<std::uint32_t> next = {first};
+      while (!next.empty()) {
+        const std::uint32_t f = next.back();
+        next.pop_back();
+        if (!sector.emplace(f, sector.size() / most).second) continue;
+        for (const std::uint32_t v : mesh.faces[f].v)
+          if (v != hub && passed.insert(v).second) next.insert(next.end(), spokes[v].begin(), spokes[v].end());
+      }
+    }
+    for (const auto& [v, around] : spokes)
+      for (const std::uint32_t f : around)
+        if (sector[f] != sector[around.front()]) locked[v] = true;
+    locked[hub] = true;
+    const auto copies = static_cast<std::uint32_t>(mesh.vertices.size());
+    const std::size_t sectors = (faces.size() + most - 1) / most;
+    mesh.vertices.insert(mesh.vertices.end(), sectors - 1, LatticePoint(mesh.vertices[hub]));
+    locked.resize(mesh.vertices.size(), true);
+    for (const auto& [f, s] : sector)
+      if (s > 0) *std::ranges::find(mesh.faces[f].v, hub) = copies + static_cast<std::uint32_t>(s) - 1;
+  }
 }
 
 }  // namespace zc

@@ -472,7 +472,7 @@ TEST_F(AdversarialBake, ThousandsOfLongTrianglesOnTopOfEachOther) {
       maker.triangle(p, q, r, static_cast<std::uint16_t>(i % 4));
     }
     maker.object(ObjectKind::kObject);
-    expect_bounds(maker.scene, 4000);
+    expect_bounds(maker.scene, 1000);
   }
 }
 
@@ -591,17 +591,17 @@ TEST_F(AdversarialBake, MoebiusStrips) {
   expect_bounds(maker.scene);
 }
 
-TEST_F(AdversarialBake, FansOfTenThousandTriangles) {
+TEST_F(AdversarialBake, FansOfThousandsOfTriangles) {
   for (const double height : {0.0, 7.0}) {
     SceneMaker maker;
-    constexpr int kTriangles = 10000;
+    constexpr int kTriangles = 4000;
     const auto at = [&](int i) {
       const double a = 2 * M_PI * i / kTriangles;
       return glm::dvec3(std::cos(a) * 40, std::sin(a) * 40, height > 0 ? std::sin(17 * a) : 0);
     };
     for (int i = 0; i < kTriangles; ++i) maker.triangle({0, 0, height}, at(i), at(i + 1), 0);
     maker.object(ObjectKind::kObject);
-    expect_bounds(maker.scene, 4000, 0.1);
+    expect_bounds(maker.scene, 400, 0.1);
   }
 }
 

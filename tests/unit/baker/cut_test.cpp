@@ -136,5 +136,17 @@ TEST(Cut, EverythingInOnePlaceEndsInOneSmallCell) {
   EXPECT_EQ(tree.zones[0].detail.faces.size(), scene.mesh.faces.size());
 }
 
+TEST(Cut, WhatLiesOverEachOtherIsNotMultiplied) {
+  SceneMaker maker;  // sheets as wide as the world, at other heights
+  for (int i = 0; i < 500; ++i)
+    maker.triangle({0, 0, i * 0.1}, {200, i * 0.1, i * 0.1}, {i * 0.1, 200, i * 0.1}, 0);
+  maker.object(ObjectKind::kObject);
+  SnappedScene scene = snapped(std::move(maker.scene));
+  const ZoneTree tree = cut_zones(scene, 100);
+  std::size_t faces = 0;
+  for (const auto& zone : tree.zones) faces += zone.detail.faces.size();
+  EXPECT_EQ(faces, scene.mesh.faces.size());
+}
+
 }  // namespace
 }  // namespace zc

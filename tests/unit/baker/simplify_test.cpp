@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -78,6 +79,42 @@ TEST(Decimate, NonManifoldSoupLosesNothing) {
   EXPECT_EQ(out.faces.size(), soup.faces.size());
   const ManifoldFans fans = split_into_fans(soup);
   EXPECT_GT(fans.source_vertex.size(), soup.vertices.size());
+}
+
+TEST(Decimate, WideFansAreCutIntoSectorsAndDoNotGape) {
+  SceneMaker maker;
+  constexpr int kFaces = 1000;
+  const auto at = [](int i) {
+    return glm::dvec3(std::cos(i * 2 * M_PI / kFaces) * 90, std::sin(i * 2 * M_PI / kFaces) * 90, i % 8);
+  };
+  for (int i = 0; i < kFaces; ++i) maker.triangle({0, 0, 9}, at(i), at(i + 1), 0);
+  maker.object(ObjectKind::kObject);
+  const LatticeMesh fan = mesh_of(std::move(maker.scene));
+  LatticeMesh cut = fan;
+  std::vector<bool> locked = unlocked(fan);
+  cut_wide_fans(cut, 100, locked);
+  ASSERT_EQ(cut.faces.size(), fan.faces.size());
+  ASSERT_EQ(locked.size(), cut.vertices.size());
+  std::map<std::uint32_t, std::size_t> around;
+  std::map<std::uint32_t, std::set<std::uint32_t>> hubs;  // by vertex of the rim
+  const LatticePoint hub = *std::ranges::max_element(fan.vertices, {}, [](const LatticePoint& p) { return p[2]; });
+  for (std::size_t f = 0; f < cut.faces.size(); ++f) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = cut.faces[f].v[k];
+      EXPECT_EQ(cut.vertices[v], fan.vertices[fan.faces[f].v[k]]);
+      ++around[v];
+      for (const std::uint32_t w : cut.faces[f].v)
+        if (cut.vertices[w] == hub && w != v) hubs[v].insert(w);
+    }
+  }
+  for (const auto& [v, faces] : around) EXPECT_LE(faces, 100U);
+  std::size_t seams = 0;
+  for (const auto& [v, sides] : hubs) {
+    EXPECT_EQ(locked[v], sides.size() > 1);
+    seams += sides.size() > 1 ? 1 : 0;
+  }
+  EXPECT_EQ(seams, 10U);
+  for (std::uint32_t v = 0; v < cut.vertices.size(); ++v) EXPECT_TRUE(cut.vertices[v] != hub || locked[v]);
 }
 
 constexpr std::array<std::uint16_t, 4> kLooks = {0, 1, 2, 3};  // of SceneMaker's materials: all different
