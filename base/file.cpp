@@ -113,4 +113,11 @@ Status write_file_parts(const std::filesystem::path& path, std::span<const std::
   return {};
 }
 
+Status make_folder(const std::filesystem::path& folder) {
+  std::error_code failure;
+  std::filesystem::create_directories(folder, failure);
+  if (failure) return Error{ErrorCode::kIo, "cannot create the folder: " + failure.message(), folder.string()};
+  return {};
+}
+
 }  // namespace zc

@@ -29,4 +29,7 @@ Status write_file(const std::filesystem::path& path, std::span<const std::byte> 
 // The same of several parts, one after the other.
 Status write_file_parts(const std::filesystem::path& path, std::span<const std::span<const std::byte>> parts);
 
+// With the folders above it; one that is there already will do.
+Status make_folder(const std::filesystem::path& folder);
+
 }  // namespace zc

@@ -7,12 +7,14 @@
 #include "replay/commands.h"
 #include "replay/temporary_folder.h"
 #include "replay/units.h"
+#include "replay/world_option.h"
 
 namespace zc {
 namespace {
 
 struct Arguments {
-  std::string world, json;
+  WorldOption world;
+  std::string json;
   std::string pool = "128MiB";
   std::vector<std::uint32_t> nodes = {10000, 100000, 1000000};
   bench::PagingBenchOptions options;
@@ -21,12 +23,13 @@ struct Arguments {
 Status run(const Arguments& a) {
   bench::PagingBenchOptions options = a.options;
   ZC_ASSIGN(options.pool_bytes, parse_bytes(a.pool));
+  ZC_ASSIGN(options.source, parse_source_options(a.world));
   std::vector<bench::PagingReport> reports;
-  if (!a.world.empty()) {
-    ZC_ASSIGN(reports.emplace_back(), bench::run_paging_bench("world", a.world, options));
+  if (!a.world.place.empty()) {
+    ZC_ASSIGN(reports.emplace_back(), bench::run_paging_bench("world", a.world.place, options));
   }
   for (const std::uint32_t nodes : a.nodes) {
-    if (!a.world.empty()) break;
+    if (!a.world.place.empty()) break;
     TemporaryFolder folder;
     ZC_TRY(folder.create());
     ZC_TRY(write_file(folder.path() / kWorldIndexName, encode_world_index(bench::make_synthetic_index(nodes))));
@@ -42,7 +45,7 @@ void add_bench_paging(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "paging", "What a world's size costs: opening its index, and choosing what should be resident frame by frame");
-  command->add_option("world", a->world, "World: a folder or a .3tz archive; without it: synthetic indices");
+  add_world_option(*command, a->world, "without it: synthetic indices");
   command->add_option("--nodes", a->nodes, "Nodes of the synthetic indices; parted by commas")
       ->delimiter(',')
       ->capture_default_str()

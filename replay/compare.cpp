@@ -89,13 +89,6 @@ std::string frame_name(const CameraSample& sample, std::uint64_t frame) {
   return std::string(number.size() < 6 ? 6 - number.size() : 0, '0') + number;
 }
 
-Status make_folder(const std::filesystem::path& folder) {
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (failure) return Error{ErrorCode::kIo, "cannot create the folder: " + failure.message(), folder.string()};
-  return {};
-}
-
 std::string compare_json(const CompareReport& report) {
   nlohmann::ordered_json json;
   json["device"] = report.device;

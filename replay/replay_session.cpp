@@ -45,13 +45,6 @@ const char* debug_name(DebugView view) {
   return "";
 }
 
-Status make_folder(const std::filesystem::path& folder) {
-  std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
-  if (failure) return Error{ErrorCode::kIo, "cannot create the folder: " + failure.message(), folder.string()};
-  return {};
-}
-
 double median(std::vector<double>& values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -38,7 +38,8 @@ Json read_entries(const std::filesystem::path& file) {
   return std::move(json["entries"]);
 }
 
-// What write_cached_variant writes: strings alone, so that nothing in a foreign entry is kept that could be of any depth.
+// What write_cached_variant writes: strings alone, so that nothing in a foreign entry is kept that could be of any
+// depth.
 bool is_entry(const Json& entry) {
   if (!entry.is_object() || entry.size() != 5) return false;
   for (const char* name : {"device", "driver", "zonecast", "page", "variant"})
@@ -80,9 +81,7 @@ Status write_cached_variant(const std::filesystem::path& file, const VariantKey&
   for (Json& entry : read_entries(file))
     if (is_entry(entry) && entry["device"] != key.device && entries.size() < kEntryLimit)
       entries.push_back(std::move(entry));
-  std::error_code failure;
-  std::filesystem::create_directories(file.parent_path(), failure);
-  if (failure) return Error{ErrorCode::kIo, "cannot create the folder: " + failure.message(), file.parent_path()};
+  ZC_TRY(make_folder(file.parent_path()));
   const std::string text =
       Json{{"entries", std::move(entries)}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   return write_file(file, std::as_bytes(std::span(text)));

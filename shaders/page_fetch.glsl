@@ -58,9 +58,8 @@ struct PAGE_NAME(Cluster) {
   float error_m;
 };
 
-PAGE_NAME(Cluster) PAGE_NAME(load_cluster)(uint word) {
-  const uvec4 a = PAGE_NAME(load4)(word);
-  const uvec4 b = PAGE_NAME(load4)(word + 4u);
+// Of the header's two times four words.
+PAGE_NAME(Cluster) PAGE_NAME(cluster_of)(uint word, uvec4 a, uvec4 b) {
   PAGE_NAME(Cluster) c;
   c.offset = ivec3(a.xyz) - frame.camera_lattice.xyz;
   c.shift = int(a.w >> kClusterShiftBit);
@@ -72,6 +71,10 @@ PAGE_NAME(Cluster) PAGE_NAME(load_cluster)(uint word) {
   c.first_triangle = b.z;
   c.palette_word = word + b.w;
   return c;
+}
+
+PAGE_NAME(Cluster) PAGE_NAME(load_cluster)(uint word) {
+  return PAGE_NAME(cluster_of)(word, PAGE_NAME(load4)(word), PAGE_NAME(load4)(word + 4u));
 }
 
 vec3 PAGE_NAME(load_vertex)(uint vertex_word, ivec3 offset, int shift, uint v) {

@@ -24,15 +24,10 @@ NodeRefs PAGE_NAME(load_child)(uint node, uint slot, int longest, out vec3 low, 
                   node + from_lane(words.y, 1u), node + from_lane(words.w, 1u));
 }
 
-// As load_cluster, each lane fetching a word. What only looks need (palette, page) is not there.
+// As load_cluster, each lane fetching a word. What nobody reads of it is never shuffled.
 PAGE_NAME(Cluster) PAGE_NAME(load_team_cluster)(uint word) {
   const uint mine = PAGE_NAME(load)(word + team_lane);
-  PAGE_NAME(Cluster) c;
-  c.offset = ivec3(from_lane(mine, 0u), from_lane(mine, 1u), from_lane(mine, 2u)) - frame.camera_lattice.xyz;
-  c.counts = from_lane(mine, 3u);
-  c.shift = int(c.counts >> kClusterShiftBit);
-  c.triangle_word = word + kClusterHeaderWords;
-  c.vertex_word = c.triangle_word + cluster_triangles(c.counts);
-  c.error_m = uintBitsToFloat(from_lane(mine, 4u));
-  return c;
+  return PAGE_NAME(cluster_of)(
+      word, uvec4(from_lane(mine, 0u), from_lane(mine, 1u), from_lane(mine, 2u), from_lane(mine, 3u)),
+      uvec4(from_lane(mine, 4u), from_lane(mine, 5u), from_lane(mine, 6u), from_lane(mine, 7u)));
 }

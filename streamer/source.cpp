@@ -36,10 +36,8 @@ class DirectorySource final : public Source {
 
  private:
   [[nodiscard]] Result<std::filesystem::path> locate(const std::string& name) const {
-    const std::filesystem::path relative(name);
-    if (name.empty() || relative.is_absolute() || std::find(relative.begin(), relative.end(), "..") != relative.end())
-      return Error{ErrorCode::kArgument, "name leaves the world", name};
-    return dir_ / relative;
+    ZC_TRY(check_name(name));
+    return dir_ / name;
   }
 
   std::filesystem::path dir_;
@@ -63,6 +61,13 @@ class ReadWhenWaitedFor final : public Reading {
 };
 
 }  // namespace
+
+Status check_name(const std::string& name) {
+  const std::filesystem::path relative(name);
+  if (name.empty() || relative.is_absolute() || std::find(relative.begin(), relative.end(), "..") != relative.end())
+    return Error{ErrorCode::kArgument, "name leaves the world", name};
+  return {};
+}
 
 Status check_wanted(std::span<const std::byte> bytes, const WantedFile& file) {
   if (bytes.size() != file.bytes)

@@ -24,6 +24,9 @@ struct WantedFile {
   std::uint64_t xxh3 = 0;
 };
 
+// Fails when a name is none of a file within a world.
+Status check_name(const std::string& name);
+
 // Fails when these are not the bytes wanted.
 Status check_wanted(std::span<const std::byte> bytes, const WantedFile& file);
 

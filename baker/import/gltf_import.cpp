@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <glm/common.hpp>
@@ -14,6 +13,7 @@
 
 #include "baker/import/gltf_file.h"
 #include "baker/import/gltf_geometry.h"
+#include "base/text.h"
 
 namespace zc {
 namespace {
@@ -37,11 +37,9 @@ glm::dmat4 upright(UpAxis up) {
 ObjectKind kind_of(const std::string& name) {
   constexpr std::array<std::string_view, 7> kGroundNames = {"ground",   "road",         "terrain", "street",
                                                             "sidewalk", "plaza_ground", "water"};
-  std::string lower = name;
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string lower_name = lower(name);
   const bool ground = std::any_of(kGroundNames.begin(), kGroundNames.end(),
-                                  [&](std::string_view prefix) { return lower.starts_with(prefix); });
+                                  [&](std::string_view prefix) { return lower_name.starts_with(prefix); });
   return ground ? ObjectKind::kGround : ObjectKind::kObject;
 }
 

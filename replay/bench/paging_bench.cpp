@@ -98,7 +98,7 @@ Result<PagingReport> run_paging_bench(std::string scene, const std::filesystem::
   for (unsigned r = 0; r < options.repeat; ++r) {
     index = {};
     const Stopwatch watch;
-    ZC_ASSIGN(const std::unique_ptr<Source> source, open_source(world));
+    ZC_ASSIGN(const std::unique_ptr<Source> source, open_source(world, options.source));
     ZC_ASSIGN(index, read_world_index(*source, world));
     StreamerOptions paging;
     paging.cap_bytes = smallest_cap_bytes(index) + 2 * options.pool_bytes;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "streamer/source.h"
 #include "streamer/world_format/world_index.h"
 
 namespace zc::bench {
@@ -20,6 +21,7 @@ struct PagingBenchOptions {
   unsigned frames = 601;
   unsigned repeat = 5;  // of opening
   double tolerance = 0.002;
+  SourceOptions source;
 };
 
 struct PagingReport {
@@ -36,7 +38,7 @@ struct PagingReport {
 // level: an index alone, without zones.
 WorldIndex make_synthetic_index(std::uint32_t nodes);
 
-// Of the world in a folder, of which the index alone is read.
+// Of a world, of which the index alone is read.
 Result<PagingReport> run_paging_bench(std::string scene, const std::filesystem::path& world,
                                       const PagingBenchOptions& options);
 

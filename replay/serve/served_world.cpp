@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "base/text.h"
 #include "streamer/source.h"
 #include "streamer/world_format/world_index.h"
 
@@ -23,12 +24,6 @@ bool take_number(std::string_view& text) {
   while (digits < text.size() && text[digits] >= '0' && text[digits] <= '9') ++digits;
   if (digits == 0 || digits > 10) return false;
   text.remove_prefix(digits);
-  return true;
-}
-
-bool take(std::string_view& text, std::string_view word) {
-  if (!text.starts_with(word)) return false;
-  text.remove_prefix(word.size());
   return true;
 }
 

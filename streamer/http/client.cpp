@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "base/check.h"
+#include "base/text.h"
 #include "streamer/retry.h"
 
 namespace zc {
@@ -58,13 +59,6 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return out;
-}
-
 // Takes a number off the front.
 std::optional<std::uint64_t> take_number(std::string_view& text) {
   std::uint64_t value = 0;
@@ -72,12 +66,6 @@ std::optional<std::uint64_t> take_number(std::string_view& text) {
   if (failure != std::errc()) return std::nullopt;
   text.remove_prefix(static_cast<std::size_t>(end - text.data()));
   return value;
-}
-
-bool take(std::string_view& text, std::string_view word) {
-  if (!text.starts_with(word)) return false;
-  text.remove_prefix(word.size());
-  return true;
 }
 
 struct ContentRange {

@@ -61,9 +61,7 @@ std::uint64_t sum(const std::vector<Entry>& entries) {
 }  // namespace
 
 Result<std::unique_ptr<DiskCache>> DiskCache::open(const fs::path& folder, std::uint64_t limit_bytes) {
-  std::error_code failure;
-  fs::create_directories(folder, failure);
-  if (failure) return Error{ErrorCode::kIo, "cannot create the folder: " + failure.message(), folder.string()};
+  ZC_TRY(make_folder(folder));
   return std::unique_ptr<DiskCache>(new DiskCache(folder, limit_bytes));
 }
 

@@ -31,7 +31,6 @@ class WebFolder final : public WebWorld {
       if (auto kept = cache()->get(body_key(request, request.if_none_match), limit_bytes)) {
         answer.body = *std::move(kept);
         answer.etag = request.if_none_match;
-        answer.file_bytes = answer.body.size();
       } else {
         request.if_none_match.clear();
         ZC_ASSIGN(answer, with_retries([&] { return client().fetch(request); }));
@@ -64,9 +63,7 @@ class WebFolder final : public WebWorld {
   }
 
   [[nodiscard]] Result<HttpRequest> request_for(const std::string& name, std::uint64_t limit_bytes) const {
-    const std::filesystem::path path(name);
-    if (name.empty() || path.is_absolute() || std::find(path.begin(), path.end(), "..") != path.end())
-      return Error{ErrorCode::kArgument, "name leaves the world", name};
+    ZC_TRY(check_name(name));
     ZC_ASSIGN(std::string address, url_below(url(), name));
     return HttpRequest{.url = address, .name = public_url(address), .limit_bytes = limit_bytes};
   }

@@ -12,10 +12,8 @@ ARGUMENTS = 2
 class Archives(support.Case):
     @classmethod
     def prepare(cls):
-        support.write_small_city(cls.folder / "city.json")
         cls.world, cls.archive = cls.folder / "world", cls.folder / "world.3tz"
-        cls.zonecast("bake", cls.folder / "city.json", "--leaf-triangles", "64", "-o", cls.world)
-        cls.zonecast("pack", cls.world, "-o", cls.archive)
+        cls.bake_small_city(cls.world, cls.archive)
         cls.path = cls.folder / "path.csv"
         support.small_drive(cls.path)
 

@@ -18,12 +18,10 @@ RANGE_FAULTS = ("range", "whole", 416)
 class Faults(support.Case):
     @classmethod
     def prepare(cls):
-        support.write_small_city(cls.folder / "city.json")
         cls.site = cls.folder / "site"
         cls.site.mkdir()
         cls.world = cls.site / "world"
-        cls.zonecast("bake", cls.folder / "city.json", "--leaf-triangles", "64", "-o", cls.world)
-        cls.zonecast("pack", cls.world, "-o", cls.site / "world.3tz")
+        cls.bake_small_city(cls.world, cls.site / "world.3tz")
         cls.index_bytes = (cls.world / "world.zcw").stat().st_size
         # Down the street, then still: time for everything to be tried again.
         cls.path = cls.folder / "path.csv"

@@ -13,12 +13,10 @@ ARGUMENTS = 2
 class Worlds(support.Case):
     @classmethod
     def prepare(cls):
-        support.write_small_city(cls.folder / "city.json")
         cls.site = cls.folder / "site"
         cls.site.mkdir()
         cls.world = cls.site / "world"
-        cls.zonecast("bake", cls.folder / "city.json", "--leaf-triangles", "64", "-o", cls.world)
-        cls.zonecast("pack", cls.world, "-o", cls.site / "world.3tz")
+        cls.bake_small_city(cls.world, cls.site / "world.3tz")
         cls.path = cls.folder / "path.csv"
         support.small_drive(cls.path)
         cls.expected, _ = cls.replay(cls.world)

@@ -59,10 +59,8 @@ def metric(address, name):
 class Served(support.Case):
     @classmethod
     def prepare(cls):
-        support.write_small_city(cls.folder / "city.json")
         cls.world, cls.archive = cls.folder / "world", cls.folder / "packed.3tz"
-        cls.zonecast("bake", cls.folder / "city.json", "--leaf-triangles", "64", "-o", cls.world)
-        cls.zonecast("pack", cls.world, "-o", cls.archive)
+        cls.bake_small_city(cls.world, cls.archive)
         cls.path = cls.folder / "path.csv"
         support.small_drive(cls.path)
         cls.index = (cls.world / "world.zcw").read_bytes()

@@ -62,6 +62,14 @@ class Case(unittest.TestCase):
         return done.stdout
 
     @classmethod
+    def bake_small_city(cls, world, archive=None):
+        """In zones of few triangles, and packed as well where `archive` says; its source is city.json."""
+        write_small_city(cls.folder / "city.json")
+        cls.zonecast("bake", cls.folder / "city.json", "--leaf-triangles", "64", "-o", world)
+        if archive is not None:
+            cls.zonecast("pack", world, "-o", archive)
+
+    @classmethod
     @contextlib.contextmanager
     def serve(cls, world, *options):
         """`zonecast serve` on a free port, until the block ends; its address. It must end well."""
