@@ -51,6 +51,35 @@ Status write_bytes(const std::filesystem::path& at, int flags, const std::filesy
 
 }  // namespace
 
+// A pipe with nobody at its other end is not waited for.
+Result<InputFile> InputFile::open(const std::filesystem::path& path) {
+  InputFile file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK), path.string());
+  struct stat info {};
+  if (file.handle_ < 0 || ::fstat(file.handle_, &info) != 0) return io_error(path, "cannot open");
+  if (!S_ISREG(info.st_mode)) return Error{ErrorCode::kIo, "not a regular file", path.string()};
+  file.size_bytes_ = static_cast<std::uint64_t>(info.st_size);
+  return file;
+}
+
+InputFile::InputFile(InputFile&& other) noexcept
+    : handle_(std::exchange(other.handle_, -1)), size_bytes_(other.size_bytes_), path_(std::move(other.path_)) {}
+
+InputFile::~InputFile() {
+  if (handle_ >= 0) ::close(handle_);
+}
+
+Status InputFile::read(std::uint64_t offset_bytes, std::span<std::byte> out) const {
+  for (std::size_t done = 0; done < out.size();) {
+    const ssize_t got = ::pread(handle_, out.data() + done, out.size() - done, static_cast<off_t>(offset_bytes + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return io_error(path_, "cannot read");
+    if (got == 0)
+      return Error{ErrorCode::kIo, "file ends early", path_, static_cast<std::int64_t>(offset_bytes + done)};
+    done += static_cast<std::size_t>(got);
+  }
+  return {};
+}
+
 Result<std::uint64_t> file_size_bytes(const std::filesystem::path& path) {
   struct stat info {};
   if (::stat(path.c_str(), &info) != 0) return io_error(path, "cannot open");
@@ -59,29 +88,19 @@ Result<std::uint64_t> file_size_bytes(const std::filesystem::path& path) {
 }
 
 Status read_range(const std::filesystem::path& path, std::uint64_t offset_bytes, std::span<std::byte> out) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.get() < 0) return io_error(path, "cannot open");
-  std::size_t done = 0;
-  while (done < out.size()) {
-    const ssize_t got =
-        ::pread(file.get(), out.data() + done, out.size() - done, static_cast<off_t>(offset_bytes + done));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return io_error(path, "cannot read");
-    if (got == 0)
-      return Error{ErrorCode::kIo, "file ends early", path.string(), static_cast<std::int64_t>(offset_bytes + done)};
-    done += static_cast<std::size_t>(got);
-  }
-  return {};
+  ZC_ASSIGN(const InputFile file, InputFile::open(path));
+  return file.read(offset_bytes, out);
 }
 
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, std::uint64_t limit_bytes) {
-  ZC_ASSIGN(const std::uint64_t size, file_size_bytes(path));
-  if (size > limit_bytes)
-    return Error{ErrorCode::kFormat,
-                 "is " + std::to_string(size) + " bytes, more than the " + std::to_string(limit_bytes) + " allowed",
-                 path.string()};
-  std::vector<std::byte> bytes(size);
-  ZC_TRY(read_range(path, 0, bytes));
+  ZC_ASSIGN(const InputFile file, InputFile::open(path));
+  if (file.size_bytes() > limit_bytes)
+    return Error{
+        ErrorCode::kFormat,
+        "is " + std::to_string(file.size_bytes()) + " bytes, more than the " + std::to_string(limit_bytes) + " allowed",
+        path.string()};
+  std::vector<std::byte> bytes(file.size_bytes());
+  ZC_TRY(file.read(0, bytes));
   return bytes;
 }
 

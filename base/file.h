@@ -1,17 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole-file reads and all-or-nothing writes. Untrusted input: sizes are checked before memory is taken.
-// Thread-safe: no state.
+// Reads, of whole files or piece by piece, and all-or-nothing writes. Untrusted input: sizes are checked before memory
+// is taken. Thread-safe: no state.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "base/result.h"
 
 namespace zc {
+
+// A file that is open for reading. Threads: any, at once.
+class InputFile {
+ public:
+  // Fails when it is missing or not a regular file.
+  static Result<InputFile> open(const std::filesystem::path& path);
+  InputFile(InputFile&& other) noexcept;
+  InputFile& operator=(InputFile&&) = delete;
+  ~InputFile();
+
+  // When it was opened.
+  [[nodiscard]] std::uint64_t size_bytes() const { return size_bytes_; }
+  // [offset_bytes, offset_bytes + out.size()) of the file. Fails on a short read.
+  Status read(std::uint64_t offset_bytes, std::span<std::byte> out) const;
+
+ private:
+  InputFile(int handle, std::string path) : handle_(handle), path_(std::move(path)) {}
+
+  int handle_;
+  std::uint64_t size_bytes_ = 0;
+  std::string path_;  // for errors
+};
 
 // Size in bytes of a regular file. Fails when it is missing or not a regular file.
 Result<std::uint64_t> file_size_bytes(const std::filesystem::path& path);

@@ -9,6 +9,7 @@
 #include "replay/units.h"
 #include "replay/world_option.h"
 #include "replay/world_report.h"
+#include "streamer/index_file.h"
 
 namespace zc {
 namespace {

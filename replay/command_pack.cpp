@@ -8,7 +8,7 @@
 #include "replay/progress.h"
 #include "replay/units.h"
 #include "replay/world_option.h"
-#include "replay/world_report.h"
+#include "streamer/index_file.h"
 
 namespace zc {
 namespace {

@@ -11,8 +11,8 @@
 #include "base/file.h"
 #include "replay/flip.h"
 #include "replay/render_setup.h"
-#include "replay/world_report.h"
 #include "replay/zone_table.h"
+#include "streamer/index_file.h"
 
 namespace zc {
 namespace {

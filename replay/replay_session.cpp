@@ -17,8 +17,8 @@
 #include "replay/render_setup.h"
 #include "replay/trace_file.h"
 #include "replay/variant_cache.h"
-#include "replay/world_report.h"
 #include "replay/zone_table.h"
+#include "streamer/index_file.h"
 #include "streamer/look_ahead.h"
 
 namespace zc {

@@ -117,11 +117,6 @@ nlohmann::ordered_json left_out_of(const nlohmann::ordered_json& report) {
 
 }  // namespace
 
-Result<WorldIndex> read_world_index(Source& source, const std::filesystem::path& folder) {
-  ZC_ASSIGN(const std::vector<std::byte> bytes, source.read_all(kWorldIndexName, std::uint64_t{1} << 32U));
-  return decode_world_index(bytes, (folder / kWorldIndexName).string());
-}
-
 nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index) {
   std::map<std::uint32_t, Level> levels;
   Level detail, proxies;

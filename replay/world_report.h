@@ -2,7 +2,6 @@
 // What `inspect` tells of a world. Thread-safe: no state.
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -12,9 +11,6 @@
 #include "streamer/world_format/world_index.h"
 
 namespace zc {
-
-// The index of the world in `folder`, which `source` reads.
-Result<WorldIndex> read_world_index(Source& source, const std::filesystem::path& folder);
 
 // Keys as DESIGN names them for `inspect --json`. bake_s and left_out come from bake.json: absent and empty without it;
 // disk_bytes_per_triangle, of the proxies, tells the components that bake.json knows, else the kinds of file.

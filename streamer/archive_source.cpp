@@ -1,40 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "streamer/archive_source.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <optional>
 #include <span>
 #include <utility>
 
+#include "base/file.h"
 #include "streamer/archive_index.h"
 
 namespace zc {
 namespace {
 
-class OpenFile {
- public:
-  explicit OpenFile(int handle) : handle_(handle) {}
-  OpenFile(OpenFile&& other) noexcept : handle_(std::exchange(other.handle_, -1)) {}
-  OpenFile& operator=(OpenFile&&) = delete;
-  ~OpenFile() {
-    if (handle_ >= 0) ::close(handle_);
-  }
-  [[nodiscard]] int handle() const { return handle_; }
-
- private:
-  int handle_;
-};
-
 class ArchiveSource final : public Source {
  public:
-  ArchiveSource(OpenFile file, std::string path, std::uint64_t bytes)
-      : file_(std::move(file)), path_(std::move(path)), bytes_(bytes) {}
+  ArchiveSource(InputFile file, std::string path)
+      : file_(std::move(file)), path_(std::move(path)), bytes_(file_.size_bytes()) {}
 
   // Once, before everything else.
   Status find_index() {
@@ -64,10 +45,34 @@ class ArchiveSource final : public Source {
     return read_place(place, name);
   }
 
+  Result<std::unique_ptr<SourceFile>> open(const std::string& name, std::uint64_t limit_bytes) override {
+    ZC_ASSIGN(const Place place, find(name));
+    if (place.bytes > limit_bytes)
+      return fault(name, "is " + std::to_string(place.bytes) + " bytes, more than " + std::to_string(limit_bytes));
+    return std::unique_ptr<SourceFile>(std::make_unique<Member>(*this, place, name));
+  }
+
  private:
   struct Place {
     std::uint64_t offset = 0;
     std::uint64_t bytes = 0;
+  };
+
+  class Member final : public SourceFile {
+   public:
+    Member(const ArchiveSource& archive, const Place& place, std::string name)
+        : archive_(archive), place_(place), name_(std::move(name)) {}
+    [[nodiscard]] std::uint64_t size_bytes() const override { return place_.bytes; }
+    Status read(std::uint64_t offset_bytes, std::span<std::byte> out) const override {
+      if (offset_bytes > place_.bytes || out.size() > place_.bytes - offset_bytes)
+        return archive_.fault(name_, "ends early");
+      return archive_.read_at(place_.offset + offset_bytes, out, name_);
+    }
+
+   private:
+    const ArchiveSource& archive_;
+    const Place place_;
+    const std::string name_;
   };
 
   [[nodiscard]] Error fault(const std::string& name, std::string what, ErrorCode code = ErrorCode::kFormat) const {
@@ -76,15 +81,9 @@ class ArchiveSource final : public Source {
 
   Status read_at(std::uint64_t offset, std::span<std::byte> out, const std::string& name) const {
     if (offset > bytes_ || out.size() > bytes_ - offset) return fault(name, "lies outside the archive");
-    for (std::size_t done = 0; done < out.size();) {
-      const ssize_t got =
-          ::pread(file_.handle(), out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0) return fault(name, std::strerror(errno), ErrorCode::kIo);
-      if (got == 0) return fault(name, "the archive became shorter", ErrorCode::kIo);
-      done += static_cast<std::size_t>(got);
-    }
-    return {};
+    Status read = file_.read(offset, out);
+    if (!read.ok()) return fault(name, read.error().message, read.error().code);
+    return read;
   }
 
   [[nodiscard]] Result<Place> find(const std::string& name) const {
@@ -135,7 +134,7 @@ class ArchiveSource final : public Source {
     return out;
   }
 
-  OpenFile file_;
+  InputFile file_;
   std::string path_;
   std::uint64_t bytes_;
   std::uint64_t index_at_ = 0;
@@ -145,15 +144,8 @@ class ArchiveSource final : public Source {
 }  // namespace
 
 Result<std::unique_ptr<Source>> open_archive_source(const std::filesystem::path& path) {
-  const std::string name = path.string();
-  OpenFile file(::open(name.c_str(), O_RDONLY | O_CLOEXEC));
-  struct stat status {};
-  if (file.handle() < 0 || ::fstat(file.handle(), &status) != 0)
-    return Error{ErrorCode::kIo, std::string("cannot open: ") + std::strerror(errno), name};
-  if (!S_ISREG(status.st_mode)) return Error{ErrorCode::kIo, "not a regular file", name};
-  const auto bytes = static_cast<std::uint64_t>(status.st_size);
-
-  auto source = std::make_unique<ArchiveSource>(std::move(file), name, bytes);
+  ZC_ASSIGN(InputFile file, InputFile::open(path));
+  auto source = std::make_unique<ArchiveSource>(std::move(file), path.string());
   ZC_TRY(source->find_index());
   return std::unique_ptr<Source>(std::move(source));
 }

@@ -14,24 +14,64 @@
 namespace zc {
 namespace {
 
+class FileInMemory final : public SourceFile {
+ public:
+  FileInMemory(std::vector<std::byte> bytes, std::string name) : bytes_(std::move(bytes)), name_(std::move(name)) {}
+  [[nodiscard]] std::uint64_t size_bytes() const override { return bytes_.size(); }
+  Status read(std::uint64_t offset_bytes, std::span<std::byte> out) const override {
+    if (offset_bytes > bytes_.size() || out.size() > bytes_.size() - offset_bytes)
+      return Error{ErrorCode::kFormat, "ends early", name_};
+    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset_bytes), out.size(), out.begin());
+    return {};
+  }
+
+ private:
+  std::vector<std::byte> bytes_;
+  std::string name_;
+};
+
+class FileOnDisk final : public SourceFile {
+ public:
+  explicit FileOnDisk(InputFile file) : file_(std::move(file)) {}
+  [[nodiscard]] std::uint64_t size_bytes() const override { return file_.size_bytes(); }
+  Status read(std::uint64_t offset_bytes, std::span<std::byte> out) const override {
+    return file_.read(offset_bytes, out);
+  }
+
+ private:
+  InputFile file_;
+};
+
 class DirectorySource final : public Source {
  public:
   explicit DirectorySource(std::filesystem::path dir) : dir_(std::move(dir)) {}
 
   Result<std::vector<std::byte>> read(const std::string& name, std::uint64_t bytes) override {
     ZC_ASSIGN(const std::filesystem::path path, locate(name));
-    ZC_ASSIGN(const std::uint64_t size, file_size_bytes(path));
-    if (size != bytes)
-      return Error{ErrorCode::kFormat, "is " + std::to_string(size) + " bytes, the index says " + std::to_string(bytes),
+    ZC_ASSIGN(const InputFile file, InputFile::open(path));
+    if (file.size_bytes() != bytes)
+      return Error{ErrorCode::kFormat,
+                   "is " + std::to_string(file.size_bytes()) + " bytes, the index says " + std::to_string(bytes),
                    path.string()};
     std::vector<std::byte> out(bytes);
-    ZC_TRY(read_range(path, 0, out));
+    ZC_TRY(file.read(0, out));
     return out;
   }
 
   Result<std::vector<std::byte>> read_all(const std::string& name, std::uint64_t limit_bytes) override {
     ZC_ASSIGN(const std::filesystem::path path, locate(name));
     return read_file(path, limit_bytes);
+  }
+
+  Result<std::unique_ptr<SourceFile>> open(const std::string& name, std::uint64_t limit_bytes) override {
+    ZC_ASSIGN(const std::filesystem::path path, locate(name));
+    ZC_ASSIGN(InputFile file, InputFile::open(path));
+    if (file.size_bytes() > limit_bytes)
+      return Error{ErrorCode::kFormat,
+                   "is " + std::to_string(file.size_bytes()) + " bytes, more than the " + std::to_string(limit_bytes) +
+                       " allowed",
+                   path.string()};
+    return std::unique_ptr<SourceFile>(std::make_unique<FileOnDisk>(std::move(file)));
   }
 
  private:
@@ -79,6 +119,11 @@ Status check_wanted(std::span<const std::byte> bytes, const WantedFile& file) {
 
 std::unique_ptr<Reading> Source::begin(std::vector<WantedFile> files) {
   return std::make_unique<ReadWhenWaitedFor>(*this, std::move(files));
+}
+
+Result<std::unique_ptr<SourceFile>> Source::open(const std::string& name, std::uint64_t limit_bytes) {
+  ZC_ASSIGN(std::vector<std::byte> bytes, read_all(name, limit_bytes));
+  return std::unique_ptr<SourceFile>(std::make_unique<FileInMemory>(std::move(bytes), name));
 }
 
 bool is_url(std::string_view place) { return place.starts_with("http://") || place.starts_with("https://"); }

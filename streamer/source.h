@@ -44,6 +44,19 @@ class Reading {
   virtual void cancel() {}
 };
 
+// A file that is read piece by piece. Threads: any, at once.
+class SourceFile {
+ public:
+  SourceFile() = default;
+  SourceFile(const SourceFile&) = delete;
+  SourceFile& operator=(const SourceFile&) = delete;
+  virtual ~SourceFile() = default;
+
+  [[nodiscard]] virtual std::uint64_t size_bytes() const = 0;
+  // Fills `out` from there on; fails when the file ends before.
+  virtual Status read(std::uint64_t offset_bytes, std::span<std::byte> out) const = 0;
+};
+
 // What a source behind a network did; all zero for any other.
 struct SourceStatistics {
   std::uint64_t requests = 0;
@@ -63,6 +76,10 @@ class Source {
 
   // The whole file `name`, whatever its size up to limit_bytes.
   virtual Result<std::vector<std::byte>> read_all(const std::string& name, std::uint64_t limit_bytes) = 0;
+
+  // The same file, to be read piece by piece while the source is there; of a source behind a network, as here, it is
+  // in memory as a whole.
+  virtual Result<std::unique_ptr<SourceFile>> open(const std::string& name, std::uint64_t limit_bytes);
 
   // Files that are read together. A source behind a network has begun when this returns, and does not repeat what
   // fails; here, each is read when it is waited for.

@@ -12,6 +12,7 @@
 #include "base/check.h"
 #include "streamer/belady.h"
 #include "streamer/event_log.h"
+#include "streamer/index_file.h"
 #include "streamer/latency_samples.h"
 #include "streamer/ledger.h"
 #include "streamer/load_workers.h"
@@ -26,8 +27,6 @@
 
 namespace zc {
 namespace {
-
-constexpr std::uint64_t kIndexLimitBytes = 1ULL << 32U;
 
 // The least loss is at the front of a std::*_heap.
 bool worse_eviction(const Eviction& a, const Eviction& b) {
@@ -493,16 +492,15 @@ class Streamer::Impl {
 };
 
 Result<std::unique_ptr<Streamer>> Streamer::open(Source& source, const StreamerOptions& options, PageSink& sink) {
-  ZC_ASSIGN(std::vector<std::byte> file, source.read_all(kWorldIndexName, kIndexLimitBytes));
-  ZC_ASSIGN(WorldIndex index, decode_world_index(file, kWorldIndexName));
+  ZC_ASSIGN(WorldIndex index, read_world_index(source));
   ZC_ASSIGN(const MemoryPlan plan, plan_memory(index, options));
   auto ledger = std::make_unique<Ledger>(options.cap_bytes);
   {
-    // Both were held a moment ago: the plan has made sure that this is under the cap, and it shows in the peak.
-    const std::optional<Reservation> raw = ledger->try_reserve(LedgerClass::kInFlight, file.size());
+    // A source behind a network held both a moment ago: the plan has made sure that this is under the cap, and it shows
+    // in the peak.
+    const std::optional<Reservation> raw = ledger->try_reserve(LedgerClass::kInFlight, index.resident_bytes());
     const std::optional<Reservation> decoded = ledger->try_reserve(LedgerClass::kIndex, index.resident_bytes());
     ZC_CHECK(raw && decoded);
-    file = std::vector<std::byte>();  // `= {}` would keep its memory
   }
   auto impl = std::make_unique<Impl>(source, sink, options, std::move(ledger), std::move(index), plan);
   ZC_TRY(impl->start());

@@ -11,7 +11,7 @@
 
 #include "base/check.h"
 #include "base/file.h"
-#include "replay/world_report.h"
+#include "streamer/index_file.h"
 #include "streamer/page_loader.h"
 #include "streamer/source.h"
 #include "streamer/world_format/page_view.h"

@@ -7,8 +7,8 @@
 
 #include "replay/bench/print_figures.h"
 #include "replay/bench/stopwatch.h"
-#include "replay/world_report.h"
 #include "streamer/cover.h"
+#include "streamer/index_file.h"
 #include "streamer/memory_plan.h"
 #include "streamer/selection.h"
 #include "streamer/source.h"

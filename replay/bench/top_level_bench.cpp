@@ -12,9 +12,9 @@
 #include "base/check.h"
 #include "replay/bench/print_figures.h"
 #include "replay/bench/stopwatch.h"
-#include "replay/world_report.h"
 #include "runtime/zone_set.h"
 #include "shaders/shared/page_node.h"
+#include "streamer/index_file.h"
 #include "streamer/page_loader.h"
 #include "streamer/world_format/page_view.h"
 

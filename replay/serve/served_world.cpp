@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "base/text.h"
+#include "streamer/index_file.h"
 #include "streamer/source.h"
-#include "streamer/world_format/world_index.h"
 
 namespace zc {
 namespace {
@@ -69,9 +69,7 @@ std::size_t ServedFile::read(std::uint64_t offset, std::span<char> out) const {
 Result<ServedWorld> ServedWorld::open(const std::filesystem::path& place) {
   if (is_url(place.native())) return Error{ErrorCode::kArgument, "is served already", place.string()};
   ZC_ASSIGN(const std::unique_ptr<Source> source, open_source(place));  // a folder or an archive, and nothing else
-  ZC_ASSIGN(const std::vector<std::byte> index, source->read_all(kWorldIndexName, std::uint64_t{1} << 32U));
-  if (auto decoded = decode_world_index(index, (place / kWorldIndexName).string()); !decoded)
-    return std::move(decoded).error();
+  ZC_ASSIGN([[maybe_unused]] const WorldIndex index, read_world_index(*source, place));
   std::error_code failure;
   const bool folder = std::filesystem::is_directory(place, failure);
   return ServedWorld(place, folder, folder ? std::string(kWorldIndexName) : place.filename().string());

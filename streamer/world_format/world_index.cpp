@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
 
 #include "base/check.h"
 #include "shaders/shared/page.h"
@@ -31,19 +32,10 @@ constexpr std::uint64_t kLookFileBytesPerTriangle =
     4 + sizeof(gpu::TriangleLight) + sizeof(gpu::TriangleNormals) + sizeof(std::uint32_t);
 constexpr std::uint64_t kMaxFileBytes = 0xFFFFFFFFULL;  // a GLB's own length field has 32 bits
 
-// One node's place and cause, for an Error.
-class Fault {
- public:
-  Fault(const std::string& path, std::size_t node) : path_(path), node_(node) {}
-  [[nodiscard]] Error operator()(const std::string& cause) const {
-    return {ErrorCode::kFormat, "node " + std::to_string(node_) + ": " + cause, path_,
-            static_cast<std::int64_t>(sizeof(WorldHeader) + node_ * sizeof(NodeRecord))};
-  }
-
- private:
-  const std::string& path_;
-  std::size_t node_;
-};
+Error node_error(const std::string& path, std::size_t node, const char* cause) {
+  return {ErrorCode::kFormat, "node " + std::to_string(node) + ": " + cause, path,
+          static_cast<std::int64_t>(sizeof(WorldHeader) + node * sizeof(NodeRecord))};
+}
 
 bool ordered(const std::array<std::int32_t, 3>& low, const std::array<std::int32_t, 3>& high) {
   return low[0] <= high[0] && low[1] <= high[1] && low[2] <= high[2];
@@ -51,50 +43,42 @@ bool ordered(const std::array<std::int32_t, 3>& low, const std::array<std::int32
 
 bool sane(float value) { return std::isfinite(value) && value >= 0.0F; }
 
-Status check_tree(const std::vector<NodeRecord>& nodes, const std::string& path) {
-  // Every node but the root lies in its parent's range, and the ranges hold one place for each: so each node has
-  // exactly one parent, and that parent comes before it.
-  std::uint64_t places = 0;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const NodeRecord& node = nodes[i];
-    const Fault fault(path, i);
-    if (node.child_count > 0) {
-      if (node.first_child <= i || node.first_child >= nodes.size() ||
-          node.child_count > nodes.size() - node.first_child)
-        return fault("children out of range");
-      places += node.child_count;
-    }
-    if (i == 0) {
-      if (node.parent != -1) return fault("the root has a parent");
-      if (node.is_detail()) return fault("the root is a detail node");
-      continue;
-    }
-    if (node.parent < 0 || static_cast<std::size_t>(node.parent) >= i) return fault("parent out of range");
-    const NodeRecord& parent = nodes[static_cast<std::size_t>(node.parent)];
-    if (i < parent.first_child || i - parent.first_child >= parent.child_count)
-      return fault("not among its parent's children");
-    // So that whoever goes down the tree goes down kMaxDepth and one more at most.
-    if (node.depth < parent.depth + (node.is_detail() ? 0 : 1)) return fault("does not lie below its parent");
-    if (node.is_detail() && (parent.is_detail() || parent.child_count != 1 || node.child_count != 0))
-      return fault("a detail node must be the only child of a zone and have no children");
+// Of a node: why it cannot be, or nothing.
+
+// Every node but the root lies in its parent's range, and the ranges hold one place for each, which `places` counts: so
+// each node has exactly one parent, and that parent comes before it. `nodes`: up to this one, of `count`.
+const char* tree_fault(std::span<const NodeRecord> nodes, std::size_t count, std::uint64_t& places) {
+  const std::size_t i = nodes.size() - 1;
+  const NodeRecord& node = nodes[i];
+  if (node.child_count > 0) {
+    if (node.first_child <= i || node.first_child >= count || node.child_count > count - node.first_child)
+      return "children out of range";
+    places += node.child_count;
   }
-  if (places != nodes.size() - 1) return Fault(path, 0)("a node belongs to two parents");
-  return {};
+  if (i == 0) {
+    if (node.parent != -1) return "the root has a parent";
+    if (node.is_detail()) return "the root is a detail node";
+    return nullptr;
+  }
+  if (node.parent < 0 || static_cast<std::size_t>(node.parent) >= i) return "parent out of range";
+  const NodeRecord& parent = nodes[static_cast<std::size_t>(node.parent)];
+  if (i < parent.first_child || i - parent.first_child >= parent.child_count) return "not among its parent's children";
+  // So that whoever goes down the tree goes down kMaxDepth and one more at most.
+  if (node.depth < parent.depth + (node.is_detail() ? 0 : 1)) return "does not lie below its parent";
+  if (node.is_detail() && (parent.is_detail() || parent.child_count != 1 || node.child_count != 0))
+    return "a detail node must be the only child of a zone and have no children";
+  return nullptr;
 }
 
-Status check_counts(const NodeRecord& node, const Fault& fault) {
-  if (node.triangle_count == 0 || node.triangle_count > gpu::kPageMaxTriangles)
-    return fault("triangle count out of range");
-  if (node.vertex_count == 0 || node.vertex_count > 3ULL * node.triangle_count)
-    return fault("vertex count out of range");
-  if (node.primitive_count == 0 || node.primitive_count > node.triangle_count)
-    return fault("primitive count out of range");
+const char* counts_fault(const NodeRecord& node) {
+  if (node.triangle_count == 0 || node.triangle_count > gpu::kPageMaxTriangles) return "triangle count out of range";
+  if (node.vertex_count == 0 || node.vertex_count > 3ULL * node.triangle_count) return "vertex count out of range";
+  if (node.primitive_count == 0 || node.primitive_count > node.triangle_count) return "primitive count out of range";
   if (node.reference_count < node.triangle_count || node.reference_count > kReferencesMost * node.triangle_count ||
       node.reference_count > gpu::kPageMaxTriangles)
-    return fault("reference count out of range");
-  if (node.bvh_node_count == 0 || node.bvh_node_count > node.reference_count)
-    return fault("BVH node count out of range");
-  if (node.bvh_depth == 0 || node.bvh_depth > gpu::kPageMaxDepth) return fault("BVH depth out of range");
+    return "reference count out of range";
+  if (node.bvh_node_count == 0 || node.bvh_node_count > node.reference_count) return "BVH node count out of range";
+  if (node.bvh_depth == 0 || node.bvh_depth > gpu::kPageMaxDepth) return "BVH depth out of range";
   const std::uint64_t looks =
       std::uint64_t{node.look_bytes} + node.light_bytes + node.normal_bytes + node.texture_bytes;
   // A tree that is coded so badly that it takes more would be no use to anybody.
@@ -103,33 +87,34 @@ Status check_counts(const NodeRecord& node, const Fault& fault) {
                                  2 * sizeof(std::uint32_t) * std::uint64_t{node.reference_count} +
                                  (looks > 0 ? kLookFileBytesMost + kLookFileBytesPerTriangle * node.triangle_count : 0);
   if (node.bvh_bytes < bvh_least || node.bvh_bytes > bvh_most || node.texture_bytes > kTextureBytesMost)
-    return fault("BVH file size does not follow from its counts");
+    return "BVH file size does not follow from its counts";
   // What a page holds beside nodes and triangles depends on how the clusters share vertices; assembling it tells.
   const std::uint64_t words_least = std::uint64_t{gpu::kPageHeaderWords} +
                                     std::uint64_t{gpu::kPageNodeWords} * node.bvh_node_count +
                                     gpu::kClusterHeaderWords + gpu::kClusterEntryWords + node.reference_count;
   if (node.page_bytes % (4 * gpu::kPageAlignWords) != 0 || node.page_bytes < 4 * words_least ||
       node.page_bytes > 4 * (words_least + kWordsPerReferenceMost * node.reference_count) + looks)
-    return fault("page size does not follow from its counts");
-  if (node.glb_bytes < 20 || node.glb_bytes > kMaxFileBytes) return fault("GLB size out of range");
-  return {};
+    return "page size does not follow from its counts";
+  if (node.glb_bytes < 20 || node.glb_bytes > kMaxFileBytes) return "GLB size out of range";
+  return nullptr;
 }
 
-Status check_place(const NodeRecord& node, const Fault& fault) {
-  if (node.depth > kMaxDepth) return fault("depth out of range");
-  if ((node.cell_x >> node.depth) != 0 || (node.cell_y >> node.depth) != 0) return fault("cell out of range");
-  if (node.step_shift > kMaxStepShift) return fault("step shift out of range");
-  if (!ordered(node.bounds_min, node.bounds_max)) return fault("empty bounds");
+const char* place_fault(const NodeRecord& node) {
+  if ((node.flags & ~kNodeDetail) != 0) return "unknown flags";
+  if (node.depth > kMaxDepth) return "depth out of range";
+  if ((node.cell_x >> node.depth) != 0 || (node.cell_y >> node.depth) != 0) return "cell out of range";
+  if (node.step_shift > kMaxStepShift) return "step shift out of range";
+  if (!ordered(node.bounds_min, node.bounds_max)) return "empty bounds";
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int64_t origin = node.origin[axis];
-    if ((origin & ((1LL << node.step_shift) - 1)) != 0) return fault("origin is off its lattice");
+    if ((origin & ((1LL << node.step_shift) - 1)) != 0) return "origin is off its lattice";
     if (node.bounds_min[axis] < origin || node.bounds_max[axis] > origin + (0xFFFFLL << node.step_shift))
-      return fault("bounds do not fit 16-bit offsets");
+      return "bounds do not fit 16-bit offsets";
   }
   if (!sane(node.error_max_m) || !sane(node.error_mean_m) || !sane(node.normal_deviation_deg) ||
       !sane(node.color_error) || !sane(node.appearance_error_m))
-    return fault("an error bound is not a number");
-  return {};
+    return "an error bound is not a number";
+  return nullptr;
 }
 
 Status check_header(const WorldHeader& header, std::uint64_t file_bytes, const std::string& path) {
@@ -179,6 +164,55 @@ void append(std::vector<std::byte>& out, const T* values, std::size_t count) {
   std::memcpy(out.data() + at, values, count * sizeof(T));
 }
 
+// Reads what comes after the header, in order, and hashes it.
+class Body {
+ public:
+  explicit Body(const ReadAt& read) : read_(read), hash_(XXH3_createState()) {
+    ZC_CHECK(hash_ != nullptr && XXH3_64bits_reset(hash_.get()) == XXH_OK);
+  }
+  template <class T>
+  Status take(std::span<T> out) {
+    const std::span<std::byte> bytes = std::as_writable_bytes(out);
+    ZC_TRY(read_(at_, bytes));
+    at_ += bytes.size();
+    XXH3_64bits_update(hash_.get(), bytes.data(), bytes.size());
+    return {};
+  }
+  [[nodiscard]] std::uint64_t xxh3() const { return XXH3_64bits_digest(hash_.get()); }
+
+ private:
+  struct Free {
+    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+  };
+  const ReadAt& read_;
+  std::uint64_t at_ = sizeof(WorldHeader);
+  std::unique_ptr<XXH3_state_t, Free> hash_;
+};
+
+// So many records stay in a core's cache from reading to checking.
+constexpr std::size_t kRecordsAtOnce = 4096;
+
+// `fault`: the first that was found, which counts only when the hash is right.
+Status take_nodes(Body& body, std::size_t count, const std::string& path, decltype(WorldIndex::nodes)& nodes,
+                  Status& fault) {
+  nodes.reserve(count);
+  const NodeRecord blank;
+  std::uint64_t places = 0;
+  while (nodes.size() < count) {
+    std::size_t i = nodes.size();
+    nodes.resize(std::min(count, i + kRecordsAtOnce), blank);
+    ZC_TRY(body.take(std::span(nodes).subspan(i)));
+    for (; fault.ok() && i < nodes.size(); ++i) {
+      const char* cause = place_fault(nodes[i]);
+      if (cause == nullptr) cause = counts_fault(nodes[i]);
+      if (cause == nullptr) cause = tree_fault(std::span(nodes).first(i + 1), count, places);
+      if (cause != nullptr) fault = node_error(path, i, cause);
+    }
+  }
+  if (fault.ok() && places != count - 1) fault = node_error(path, 0, "a node belongs to two parents");
+  return {};
+}
+
 }  // namespace
 
 double WorldIndex::step_m() const { return std::ldexp(1.0, header.step_log2); }
@@ -216,39 +250,33 @@ std::vector<std::byte> encode_world_index(const WorldIndex& index) {
   return out;
 }
 
-Result<WorldIndex> decode_world_index(std::span<const std::byte> bytes, const std::string& path) {
+Result<WorldIndex> decode_world_index(std::uint64_t file_bytes, const ReadAt& read, const std::string& path) {
   WorldIndex index;
-  if (bytes.size() < sizeof(WorldHeader))
-    return Error{ErrorCode::kFormat, "too short for an index", path, static_cast<std::int64_t>(bytes.size())};
-  std::memcpy(&index.header, bytes.data(), sizeof(WorldHeader));
-  ZC_TRY(check_header(index.header, bytes.size(), path));
-  const std::span<const std::byte> body = bytes.subspan(sizeof(WorldHeader));
-  if (index.header.body_xxh3 != XXH3_64bits(body.data(), body.size()))
-    return Error{ErrorCode::kFormat, "body hash mismatch", path, offsetof(WorldHeader, body_xxh3)};
+  if (file_bytes < sizeof(WorldHeader))
+    return Error{ErrorCode::kFormat, "too short for an index", path, static_cast<std::int64_t>(file_bytes)};
+  ZC_TRY(read(0, std::as_writable_bytes(std::span(&index.header, 1))));
+  ZC_TRY(check_header(index.header, file_bytes, path));
 
-  const std::byte* at = body.data();
-  const auto* records = reinterpret_cast<const NodeRecord*>(at);
-  if (reinterpret_cast<std::uintptr_t>(at) % alignof(NodeRecord) == 0) {
-    index.nodes.assign(records, records + index.header.node_count);  // a million are not set to zero first
-  } else {
-    index.nodes.resize(index.header.node_count);
-    std::memcpy(index.nodes.data(), at, index.nodes.size() * sizeof(NodeRecord));
-  }
-  at += index.nodes.size() * sizeof(NodeRecord);
+  Body body(read);
+  Status fault;
+  ZC_TRY(take_nodes(body, index.header.node_count, path, index.nodes, fault));
   index.materials.resize(index.header.material_count);
-  std::memcpy(index.materials.data(), at, index.materials.size() * sizeof(MaterialRecord));
-  at += index.materials.size() * sizeof(MaterialRecord);
-  index.crs.assign(reinterpret_cast<const char*>(at), index.header.crs_bytes);
-
-  for (std::size_t i = 0; i < index.nodes.size(); ++i) {
-    const Fault fault(path, i);
-    if ((index.nodes[i].flags & ~kNodeDetail) != 0) return fault("unknown flags");
-    ZC_TRY(check_place(index.nodes[i], fault));
-    ZC_TRY(check_counts(index.nodes[i], fault));
-  }
-  ZC_TRY(check_tree(index.nodes, path));
+  ZC_TRY(body.take(std::span(index.materials)));
+  index.crs.resize(index.header.crs_bytes);
+  ZC_TRY(body.take(std::span(index.crs)));
+  if (index.header.body_xxh3 != body.xxh3())
+    return Error{ErrorCode::kFormat, "body hash mismatch", path, offsetof(WorldHeader, body_xxh3)};
+  ZC_TRY(fault);
   ZC_TRY(check_materials(index.materials, path));
   return index;
+}
+
+Result<WorldIndex> decode_world_index(std::span<const std::byte> bytes, const std::string& path) {
+  const ReadAt read = [&](std::uint64_t offset, std::span<std::byte> out) -> Status {
+    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(offset), out.size(), out.begin());
+    return {};
+  };
+  return decode_world_index(bytes.size(), read, path);
 }
 
 }  // namespace zc

@@ -4,7 +4,7 @@
 //
 //   WorldHeader | NodeRecord × node_count | MaterialRecord × material_count | CRS text (UTF-8, crs_bytes)
 //
-// Untrusted input: read_world_index checks every count, reference and range before anything is used.
+// Untrusted input: decode_world_index checks every count, reference and range before anything is used.
 // Units: lattice units are steps of 2^step_log2 metres. World lattice positions are relative to `anchor`
 // (CRS position in metres = (anchor + position) * step). Thread-safe: plain values.
 #pragma once
@@ -13,11 +13,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "base/large_allocator.h"
 #include "base/result.h"
 
 namespace zc {
@@ -104,7 +105,7 @@ static_assert(sizeof(MaterialRecord) == 32);
 
 struct WorldIndex {
   WorldHeader header;
-  std::vector<NodeRecord> nodes;
+  std::vector<NodeRecord, LargeAllocator<NodeRecord>> nodes;
   std::vector<MaterialRecord> materials;
   std::string crs;
 
@@ -117,6 +118,11 @@ struct WorldIndex {
 std::string node_file(const NodeRecord& node, const char* extension);
 
 std::vector<std::byte> encode_world_index(const WorldIndex& index);  // fills the hashes
+
+// Fills `out` with a file's bytes from there on, which are within the file's size.
+using ReadAt = std::function<Status(std::uint64_t offset_bytes, std::span<std::byte> out)>;
+// Reads once, in order, to where it stays: a million nodes are 160 MiB.
+Result<WorldIndex> decode_world_index(std::uint64_t file_bytes, const ReadAt& read, const std::string& path);
 Result<WorldIndex> decode_world_index(std::span<const std::byte> bytes, const std::string& path);
 
 }  // namespace zc

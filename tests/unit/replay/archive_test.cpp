@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <memory>
 
 #include "base/file.h"
 #include "replay/archive_writer.h"
@@ -57,6 +58,48 @@ TEST_F(Archive, GivesBackWhatWasPutInAndNothingElse) {
     const auto read = (*source)->read_all(name, 1000);
     ASSERT_FALSE(read.ok());
     EXPECT_NE(read.error().describe().find("a.3tz"), std::string::npos);
+  }
+}
+
+// The archive's own, a folder's, and those of a source that reads whole files only.
+TEST_F(Archive, FilesAreReadPieceByPieceFromAnySource) {
+  pack();
+  class WholeFiles final : public Source {
+   public:
+    explicit WholeFiles(const std::map<std::string, Bytes>& files) : files_(files) {}
+    Result<Bytes> read(const std::string& name, std::uint64_t bytes) override { return read_all(name, bytes); }
+    Result<Bytes> read_all(const std::string& name, std::uint64_t limit) override {
+      if (files_.count(name) == 0 || files_.at(name).size() > limit) return Error{ErrorCode::kIo, "no", name};
+      return files_.at(name);
+    }
+
+   private:
+    const std::map<std::string, Bytes>& files_;
+  };
+  std::vector<std::unique_ptr<Source>> sources;
+  sources.push_back(*open_source(folder_ / "a.3tz"));
+  sources.push_back(std::make_unique<WholeFiles>(files_));
+  for (const auto& [name, bytes] : files_) {
+    ASSERT_TRUE(make_folder((folder_ / "loose" / name).parent_path()).ok());
+    ASSERT_TRUE(write_file(folder_ / "loose" / name, bytes).ok());
+  }
+  sources.push_back(*open_source(folder_ / "loose"));
+  for (const auto& source : sources) {
+    for (const auto& [name, bytes] : files_) {
+      const auto file = source->open(name, bytes.size());
+      ASSERT_TRUE(file.ok()) << file.error().describe();
+      ASSERT_EQ((*file)->size_bytes(), bytes.size());
+      Bytes read(bytes.size());
+      for (std::size_t at = 0; at < read.size(); at += 7)
+        ASSERT_TRUE((*file)->read(at, std::span(read).subspan(at, std::min<std::size_t>(7, read.size() - at))).ok());
+      EXPECT_TRUE(read == bytes);
+      Bytes more(2);
+      EXPECT_FALSE((*file)->read(bytes.size() - 1, more).ok());
+      EXPECT_FALSE((*file)->read(UINT64_MAX, more).ok());
+      EXPECT_FALSE(source->open(name, bytes.size() - 1).ok());
+    }
+    EXPECT_FALSE(source->open("zones/none", 1000).ok());
+    EXPECT_FALSE(source->open("../a.3tz", 1000).ok());
   }
 }
 

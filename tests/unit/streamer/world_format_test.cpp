@@ -116,7 +116,7 @@ TEST(WorldIndex, refuses_trees_that_are_none) {
     change(index.nodes);
     return !decode_world_index(encode_world_index(index), "w").ok();
   };
-  using Nodes = std::vector<NodeRecord>;
+  using Nodes = decltype(WorldIndex::nodes);
   EXPECT_FALSE(refused([](Nodes&) {}));
   EXPECT_TRUE(refused([](Nodes& n) { n[0].first_child = 0; }));
   EXPECT_TRUE(refused([](Nodes& n) { n[0].child_count = 0xFFFFFFFF; }));

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "streamer/index_file.h"
+
+#include <memory>
+
+namespace zc {
+namespace {
+
+constexpr std::uint64_t kLimitBytes = 1ULL << 32U;
+
+}  // namespace
+
+Result<WorldIndex> read_world_index(Source& source, const std::filesystem::path& place) {
+  ZC_ASSIGN(const std::unique_ptr<SourceFile> file, source.open(kWorldIndexName, kLimitBytes));
+  const ReadAt read = [&](std::uint64_t offset, std::span<std::byte> out) { return file->read(offset, out); };
+  return decode_world_index(file->size_bytes(), read, (place / kWorldIndexName).string());
+}
+
+}  // namespace zc
