@@ -48,7 +48,6 @@ class LevelView {
     paging.tolerance = level.tolerance;
     paging.include_detail = level.detail;
     paging.settle = true;
-    paging.trace_limit_bytes = 0;
     ZC_ASSIGN(view->streamer_, Streamer::open(source, paging, *view->sink_));
     view->table_.emplace(*view->streamer_, *view->zones_, level.tolerance);
     RendererOptions renderer = options.renderer;

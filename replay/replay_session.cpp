@@ -18,6 +18,7 @@
 #include "replay/trace_file.h"
 #include "replay/variant_cache.h"
 #include "replay/zone_table.h"
+#include "streamer/belady.h"
 #include "streamer/index_file.h"
 #include "streamer/look_ahead.h"
 
@@ -28,6 +29,8 @@ constexpr std::uint32_t kLookAheadViews = 8;
 constexpr std::size_t kSheetTiles = 12;
 // The host draws full detail wherever a third of a pixel at 720 lines would show the difference.
 constexpr double kHostTolerance = 0.0004;
+// What is kept of the frames' selections for what an eviction that knows the future would have read: 4 MiB.
+constexpr std::size_t kTraceMostWords = 1U << 20U;
 // A replay that was not asked to measure begins no further step after this.
 constexpr double kMeasureMs = 2000;
 
@@ -120,7 +123,6 @@ class Session {
     host.threads = options_.streamer.threads;
     host.tolerance = kHostTolerance;
     host.include_detail = true;
-    host.trace_limit_bytes = 0;
     host.on_failure = options_.on_failure;
     auto host_streamer = in_world(Streamer::open(*source_, host, *drawing_.host_sink));
     if (!host_streamer) {
@@ -235,8 +237,9 @@ class Session {
     ZC_ASSIGN(log_, FrameLog::create(options_.out / "frames.csv", options_.render));
     if (options_.trace) {
       ZC_ASSIGN(trace_, TraceFile::create(options_.out / "trace.json", options_.streamer.threads));
-      streamer_->observe(trace_.get());
+      streamer_->observe(*trace_);
     }
+    streamer_->observe(selections_);
     return {};
   }
 
@@ -368,7 +371,7 @@ class Session {
   Result<ReplayReport> finish() {
     report_.streaming = streamer_->statistics();
     report_.source = source_->statistics();
-    report_.optimal = streamer_->optimal();
+    report_.optimal = optimal_paging(selections_, streamer_->index(), report_.streaming.pool_bytes);
     report_.peak_rss_bytes = std::max(peak_rss_, peak_resident_set_bytes());
     for (std::size_t i = 0; i < kPassCount; ++i) report_.pass_ms[i] = median(pass_samples_[i]);
     report_.total_ms = median(total_samples_);
@@ -401,6 +404,7 @@ class Session {
   HeapPageSink heap_sink_;
   Drawing drawing_;
   std::unique_ptr<TraceFile> trace_;
+  SelectionTrace selections_{kTraceMostWords};
   std::unique_ptr<Streamer> streamer_;
   std::optional<FrameLog> log_;
   std::vector<Picture> tiles_;

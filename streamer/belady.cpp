@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "streamer/belady.h"
 
+#include <algorithm>
 #include <iterator>
 #include <limits>
 #include <set>
 #include <utility>
 
 #include "base/check.h"
+#include "streamer/page_loader.h"
+#include "streamer/selection.h"
 
 namespace zc {
 namespace {
@@ -15,36 +18,29 @@ constexpr std::uint32_t kNever = std::numeric_limits<std::uint32_t>::max();
 
 }  // namespace
 
-void SelectionTrace::record(std::span<const std::uint32_t> before, std::span<const std::uint32_t> after) {
-  if (!complete_ || capacity_words_ == 0) {
-    complete_ = false;
-    return;
-  }
+void SelectionTrace::on_frame(std::span<const std::uint32_t> used) {
+  if (!complete_) return;
   const std::size_t count_at = words_.size();
-  const auto put = [&](std::uint32_t word) {
-    if (words_.size() == capacity_words_)
-      complete_ = false;
-    else
-      words_.push_back(word);
-  };
-  put(0);
+  words_.push_back(0);
   std::size_t b = 0;
-  std::size_t a = 0;
-  while (complete_ && (b < before.size() || a < after.size())) {
-    if (a == after.size() || (b < before.size() && before[b] < after[a])) {
-      put(before[b++] << 1U);
-    } else if (b == before.size() || after[a] < before[b]) {
-      put(after[a++] << 1U | 1U);
+  std::size_t u = 0;
+  while (b < before_.size() || u < used.size()) {
+    if (u == used.size() || (b < before_.size() && before_[b] < used[u])) {
+      words_.push_back(before_[b++] << 1U);
+    } else if (b == before_.size() || used[u] < before_[b]) {
+      words_.push_back(used[u++] << 1U | 1U);
     } else {
-      ++a;
+      ++u;
       ++b;
     }
   }
   const std::size_t changes = words_.size() - count_at - 1;
+  complete_ = words_.size() <= most_words_;
   if (!complete_ || changes == 0)
     words_.resize(count_at);
   else
     words_[count_at] = static_cast<std::uint32_t>(changes);
+  before_.assign(used.begin(), used.end());
 }
 
 OptimalPaging belady(std::span<const std::uint32_t> trace, std::span<const std::uint64_t> node_bytes,
@@ -53,10 +49,7 @@ OptimalPaging belady(std::span<const std::uint32_t> trace, std::span<const std::
   // next_use[w]: word of the node's next addition after word w.
   std::vector<std::uint32_t> next_use(trace.size(), kNever);
   {
-    std::size_t step_count = 0;
-    for (std::size_t at = 0; at < trace.size(); at += trace[at] + 1) ++step_count;
     std::vector<std::size_t> steps;
-    steps.reserve(step_count);  // growing by doubling would take more than the ledger counts
     for (std::size_t at = 0; at < trace.size(); at += trace[at] + 1) steps.push_back(at);
     std::vector<std::uint32_t> upcoming(node_bytes.size(), kNever);
     for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
@@ -100,6 +93,31 @@ OptimalPaging belady(std::span<const std::uint32_t> trace, std::span<const std::
     }
   }
   return optimal;
+}
+
+std::optional<OptimalPaging> optimal_paging(const SelectionTrace& trace, const WorldIndex& index,
+                                            std::uint64_t pool_bytes) {
+  if (!trace.complete()) return std::nullopt;
+  std::vector<std::uint32_t> words(trace.words().begin(), trace.words().end());
+  const auto each_node = [&](const auto& visit) {
+    for (std::size_t step = 0; step < words.size(); step += words[step] + 1)
+      for (std::size_t w = step + 1; w <= step + words[step]; ++w) visit(words[w]);
+  };
+  std::vector<std::uint32_t> nodes;
+  each_node([&](std::uint32_t word) { nodes.push_back(word >> 1U); });
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  each_node([&](std::uint32_t& word) {
+    const auto at = std::lower_bound(nodes.begin(), nodes.end(), word >> 1U) - nodes.begin();
+    word = static_cast<std::uint32_t>(at) << 1U | (word & 1U);
+  });
+  std::vector<std::uint64_t> in_pool;
+  std::vector<std::uint64_t> read;
+  for (const std::uint32_t n : nodes) {
+    in_pool.push_back(zc::pool_bytes(index.nodes[n]));
+    read.push_back(compressed_bytes(index.nodes[n]));
+  }
+  return belady(words, in_pool, read, pool_bytes);
 }
 
 }  // namespace zc

@@ -6,30 +6,32 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "streamer/paging_observer.h"
 #include "streamer/statistics.h"
+#include "streamer/world_format/world_index.h"
 
 namespace zc {
 
-// Sets of nodes as changes in a buffer of fixed size. One step: a count, then node << 1 | (1 when added).
-class SelectionTrace {
+// The pages that each frame used, as changes. One step: a count, then node << 1 | (1 when added).
+class SelectionTrace final : public PagingObserver {
  public:
-  explicit SelectionTrace(std::uint64_t capacity_words) : capacity_words_(capacity_words) {
-    words_.reserve(capacity_words);
-  }
+  explicit SelectionTrace(std::size_t most_words) : most_words_(most_words) {}
 
-  // Both sorted by id. A step that does not fit ends the record.
-  void record(std::span<const std::uint32_t> before, std::span<const std::uint32_t> after);
+  // Sorted by id. A step that does not fit ends the record.
+  void on_frame(std::span<const std::uint32_t> used) override;
 
   [[nodiscard]] bool complete() const { return complete_; }
   [[nodiscard]] std::span<const std::uint32_t> words() const { return words_; }
 
  private:
-  std::uint64_t capacity_words_;
+  std::size_t most_words_;
   bool complete_ = true;
   std::vector<std::uint32_t> words_;
+  std::vector<std::uint32_t> before_;
 };
 
 // When every step's set must be resident in `budget_bytes`. Per node: bytes in the pool, and those that loading it
@@ -37,8 +39,9 @@ class SelectionTrace {
 [[nodiscard]] OptimalPaging belady(std::span<const std::uint32_t> trace, std::span<const std::uint64_t> node_bytes,
                                    std::span<const std::uint64_t> read_bytes, std::uint64_t budget_bytes);
 
-// What belady() takes per node and per word of the trace.
-inline constexpr std::uint64_t kBeladyBytesPerNode = 104;
-inline constexpr std::uint64_t kBeladyBytesPerWord = 8;
+// The same of a streamer's pages; nothing when the trace is not complete. Takes memory by what was used, not by the
+// world's size.
+[[nodiscard]] std::optional<OptimalPaging> optimal_paging(const SelectionTrace& trace, const WorldIndex& index,
+                                                          std::uint64_t pool_bytes);
 
 }  // namespace zc

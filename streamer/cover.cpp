@@ -13,20 +13,18 @@ void Cover::add(std::uint32_t node) {
   ZC_CHECK(!resident(node));
   const bool before = covered(node);
   resident_[node] = 1;
-  if (node > 0) ++counts_[static_cast<std::size_t>(index_.nodes[node].parent)].resident_children;
   if (!before) change_covered(node, true);
 }
 
 void Cover::remove(std::uint32_t node) {
   ZC_CHECK(resident(node));
   resident_[node] = 0;
-  if (node > 0) --counts_[static_cast<std::size_t>(index_.nodes[node].parent)].resident_children;
   if (!covered(node)) change_covered(node, false);
 }
 
 bool Cover::refinable(std::uint32_t node) const {
   const std::uint32_t children = index_.nodes[node].child_count;
-  return children > 0 && counts_[node].covered_children == children;
+  return children > 0 && counts_[node] == children;
 }
 
 // `node` has become covered, or no longer is: so may its ancestors.
@@ -34,7 +32,7 @@ void Cover::change_covered(std::uint32_t node, bool to) {
   while (node > 0) {
     const auto parent = static_cast<std::uint32_t>(index_.nodes[node].parent);
     const bool before = covered(parent);
-    counts_[parent].covered_children += to ? 1U : ~0U;
+    counts_[parent] += to ? 1U : ~0U;
     if (covered(parent) == before) return;
     node = parent;
   }

@@ -23,28 +23,23 @@ class Cover {
   void remove(std::uint32_t node);
 
   [[nodiscard]] bool resident(std::uint32_t node) const { return resident_[node] != 0; }
-  [[nodiscard]] std::span<const std::uint8_t> resident() const { return resident_.view(); }  // per node: 1 when it is
-  [[nodiscard]] std::uint32_t resident_children(std::uint32_t node) const { return counts_[node].resident_children; }
+  // Finer pages cover all its ground.
+  [[nodiscard]] bool refinable(std::uint32_t node) const;
+  [[nodiscard]] bool covered(std::uint32_t node) const { return resident(node) || refinable(node); }
+  [[nodiscard]] bool any_child_covered(std::uint32_t node) const { return counts_[node] > 0; }
 
   // The deepest such cut, sorted by id, into `cut`. The root must be resident.
   void collect(std::vector<std::uint32_t>& cut) const;
 
-  static constexpr std::uint64_t kBytesPerNode = 9;
+  static constexpr std::uint64_t kBytesPerNode = 5;
 
  private:
-  struct Counts {
-    std::uint32_t resident_children;
-    std::uint32_t covered_children;
-  };
-
-  [[nodiscard]] bool refinable(std::uint32_t node) const;
-  [[nodiscard]] bool covered(std::uint32_t node) const { return resident(node) || refinable(node); }
   void change_covered(std::uint32_t node, bool to);
   void visit(std::uint32_t node, std::vector<std::uint32_t>& cut) const;
 
   const WorldIndex& index_;
   ZeroedArray<std::uint8_t> resident_;
-  ZeroedArray<Counts> counts_;
+  ZeroedArray<std::uint32_t> counts_;  // of covered children
 };
 
 }  // namespace zc

@@ -10,7 +10,7 @@ namespace zc {
 
 const char* ledger_class_name(LedgerClass ledger_class) {
   static constexpr std::array<const char*, kLedgerClassCount> kNames = {"index",     "state",   "top_level", "pool",
-                                                                        "in_flight", "decoded", "scratch",   "trace"};
+                                                                        "in_flight", "decoded", "scratch"};
   return kNames[static_cast<std::size_t>(ledger_class)];
 }
 

@@ -21,9 +21,8 @@ enum class LedgerClass : std::uint8_t {
   kInFlight,  // compressed bytes, from request to decoded
   kDecoded,   // decoded pages, until they are uploaded
   kScratch,   // what decoding takes, shared by the workers, in full from opening
-  kTrace,     // the record that Belady's optimum is computed from
 };
-inline constexpr std::size_t kLedgerClassCount = 8;
+inline constexpr std::size_t kLedgerClassCount = 7;
 const char* ledger_class_name(LedgerClass ledger_class);
 
 struct LedgerUse {

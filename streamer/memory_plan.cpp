@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "streamer/belady.h"
 #include "streamer/page_loader.h"
 #include "streamer/pager_state.h"
 
@@ -23,6 +22,10 @@ struct PageSums {
   std::uint64_t count = 0;
   std::uint64_t pool_bytes = 0;
   std::uint64_t smallest_pool_bytes = std::numeric_limits<std::uint64_t>::max();
+  // The pool is planned for pages that are on average no smaller than this; were they, fewer of them would be selected.
+  [[nodiscard]] std::uint64_t planned_pool_bytes() const {
+    return std::max(smallest_pool_bytes, pool_bytes / count / 2);
+  }
   std::uint64_t largest_scratch_bytes = 0;
   std::uint64_t largest_request_bytes = 0;
 };
@@ -44,15 +47,6 @@ PageSums sum_pages(const WorldIndex& index, bool include_detail) {
 // What is there whatever is loaded, with the root's share of what is kept per page.
 std::uint64_t fixed_bytes(const WorldIndex& index) {
   return index.resident_bytes() + kFixedStateBytes + index.nodes.size() * kPagerBytesPerNode + kBytesPerPage;
-}
-
-// At most a sixteenth of what the smallest cap leaves goes to the trace.
-void plan_trace(std::uint64_t spare_bytes, std::uint64_t nodes, std::uint64_t limit_bytes, MemoryPlan& plan) {
-  const std::uint64_t per_node = nodes * kBeladyBytesPerNode;
-  const std::uint64_t share = spare_bytes / 16;
-  if (limit_bytes == 0 || share <= per_node) return;
-  plan.trace_words = std::min(limit_bytes / 4, (share - per_node) / (4 + kBeladyBytesPerWord));
-  plan.trace_bytes = per_node + plan.trace_words * (4 + kBeladyBytesPerWord);
 }
 
 // What one load may take.
@@ -104,12 +98,11 @@ LoadRoom most_useful_room(const WorldIndex& index, bool include_detail, std::uin
   return best;
 }
 
-// The largest pool that fits into `room` beside what is kept per page but the root's; all others may be of the smallest
-// size.
+// The largest pool that fits into `room` beside what is kept per page but the root's.
 std::uint64_t fit_pool(std::uint64_t room, std::uint64_t root_bytes, const PageSums& pages) {
   const std::uint64_t more = (pages.count - 1) * kBytesPerPage;
-  const std::uint64_t small = (room - root_bytes) / (pages.smallest_pool_bytes + kBytesPerPage);
-  return std::max(root_bytes + small * pages.smallest_pool_bytes, room - std::min(room, more));
+  const std::uint64_t planned = (room - root_bytes) / (pages.planned_pool_bytes() + kBytesPerPage);
+  return std::max(root_bytes + planned * pages.planned_pool_bytes(), room - std::min(room, more));
 }
 
 }  // namespace
@@ -138,12 +131,11 @@ Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& o
 
   const PageSums pages = sum_pages(index, options.include_detail);
   MemoryPlan plan;
-  plan_trace(options.cap_bytes - smallest, index.nodes.size(), options.trace_limit_bytes, plan);
-  const std::uint64_t room = options.cap_bytes - fixed_bytes(index) - plan.trace_bytes;
+  const std::uint64_t room = options.cap_bytes - fixed_bytes(index);
   LoadRoom load{scratch_bytes(root), request_bytes(root)};
   std::uint64_t spare = room - pool_bytes(root) - load.scratch - load.request;
   const std::uint64_t before = load.scratch + load.request;
-  if (pages.largest_scratch_bytes + pages.largest_request_bytes - before <= spare / 8)
+  if (pages.largest_scratch_bytes + pages.largest_request_bytes - before <= spare / 4)
     load = {pages.largest_scratch_bytes, pages.largest_request_bytes};
   else
     load = most_useful_room(index, options.include_detail, spare, load);
@@ -152,15 +144,16 @@ Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& o
   // Room for more than one at once: little of it while the pool cannot hold every page, for pages are what the cap is
   // for. The number of threads has no say: what is selected must not depend on it.
   const std::uint64_t beyond_pages = spare - std::min(spare, pages.pool_bytes + pages.count * kBytesPerPage);
-  const std::uint64_t scratch = load.scratch + std::min(3 * load.scratch, std::max(spare / 16, beyond_pages / 4));
+  const std::uint64_t scratch =
+      load.scratch * (1 + std::min<std::uint64_t>(3, std::max(spare / 16, beyond_pages / 4) / load.scratch));
   const std::uint64_t requests = load.request + std::min((std::max(1U, options.max_in_flight) - 1) * load.request,
-                                                         std::max(spare / 8, beyond_pages / 4));
+                                                         std::max(spare / 12, beyond_pages / 4));
 
   constexpr std::uint64_t kAlign = 4 * kPageAlignWords;
   plan.scratch_bytes = scratch;
   const std::uint64_t fitting = fit_pool(room - scratch - requests, pool_bytes(root), pages);
   plan.pool_bytes = std::min({options.pool_limit_bytes, pages.pool_bytes, fitting}) / kAlign * kAlign;
-  plan.pages = 1 + std::min(pages.count - 1, (plan.pool_bytes - pool_bytes(root)) / pages.smallest_pool_bytes);
+  plan.pages = 1 + std::min(pages.count - 1, (plan.pool_bytes - pool_bytes(root)) / pages.planned_pool_bytes());
   plan.index_bytes = index.resident_bytes();
   plan.state_bytes = kFixedStateBytes + index.nodes.size() * kPagerBytesPerNode + plan.pages * kPagerBytesPerPage;
   plan.top_level_bytes = plan.pages * kTopLevelBytesPerPage;

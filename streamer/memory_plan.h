@@ -11,15 +11,13 @@
 namespace zc {
 
 // The state that does not grow with the world: latency samples, queues, threads' stacks.
-inline constexpr std::uint64_t kFixedStateBytes = 96 << 10U;
+inline constexpr std::uint64_t kFixedStateBytes = 64 << 10U;
 inline constexpr std::uint64_t kTopLevelBytesPerPage = 128;
 
 struct MemoryPlan {
   std::uint64_t index_bytes = 0;
   std::uint64_t state_bytes = 0;
   std::uint64_t top_level_bytes = 0;
-  std::uint64_t trace_bytes = 0;  // record and what evaluating it takes
-  std::uint64_t trace_words = 0;
   std::uint64_t pool_bytes = 0;
   std::uint64_t pages = 0;            // that the pool holds at most
   std::uint64_t scratch_bytes = 0;    // shared by the workers

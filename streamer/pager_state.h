@@ -45,7 +45,7 @@ struct Load {
 
 // A resident node that may be evicted; the least loss first.
 struct Eviction {
-  double loss = 0;  // weighted error of the parent, which would be shown instead
+  double loss = 0;  // weighted error of what would be shown instead; below 0 where nothing changes
   std::uint32_t node = 0;
 };
 
@@ -53,9 +53,9 @@ struct Eviction {
 inline constexpr std::uint64_t kPagerBytesPerNode =
     sizeof(NodeState) + 1 + sizeof(std::uint32_t) + Cover::kBytesPerNode;
 
-// Per page that can be there at once: id lists (previous selection, residents, prefetched, cover and used nodes, now
-// and before); cover offsets; eviction heap; the selection's own.
+// Per page that can be there at once: id lists (residents, prefetched, used, and the cover now and before); cover
+// offsets; eviction heap; the selection's own.
 inline constexpr std::uint64_t kPagerBytesPerPage =
-    7 * sizeof(std::uint32_t) + sizeof(std::uint64_t) + sizeof(Eviction) + kSelectionBytesPerNode;
+    5 * sizeof(std::uint32_t) + sizeof(std::uint64_t) + sizeof(Eviction) + kSelectionBytesPerPage;
 
 }  // namespace zc

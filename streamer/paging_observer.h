@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who wants to see paging at work: what each page goes through, and when. Called inside Streamer::advance, on its
-// thread. Units: the steady clock of this machine.
+// Who wants to see paging at work: what each page goes through, and when, and which pages a frame uses. Called inside
+// Streamer::advance, on its thread. Units: the steady clock of this machine.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
+#include <span>
 
 #include "streamer/statistics.h"
 
@@ -21,7 +22,9 @@ struct PagingSpan {
 class PagingObserver {
  public:
   virtual ~PagingObserver() = default;
-  virtual void on_span(const PagingSpan& span) = 0;
+  virtual void on_span(const PagingSpan&) {}
+  // At its end: the nodes that were selected and resident, sorted by id.
+  virtual void on_frame(std::span<const std::uint32_t>) {}
 };
 
 }  // namespace zc

@@ -17,6 +17,8 @@ class Selector {
 
   void run() {
     out_.by_priority.assign(1, 0);
+    out_.refined.clear();
+    out_.covered.clear();
     out_.bytes = pool_bytes(nodes_[0]);
     out_.heap.clear();
     if (!error_of_.empty()) push(0, {INFINITY, INFINITY});
@@ -24,20 +26,9 @@ class Selector {
       std::pop_heap(out_.heap.begin(), out_.heap.end(), later);
       const Selection::Candidate worst = out_.heap.back();
       out_.heap.pop_back();
-      const NodeRecord& record = nodes_[worst.node];
-      std::uint64_t bytes = 0;
-      bool admitted = true;
-      for (const NodeRecord& child : children(record)) {
-        admitted = admitted && query_.limits.admit(child);
-        bytes += pool_bytes(child);
-      }
-      if (!admitted || bytes > query_.budget_bytes - out_.bytes) continue;
-      out_.bytes += bytes;
-      for (std::uint32_t c = record.first_child; c < record.first_child + record.child_count; ++c) {
-        out_.by_priority.push_back(c);
-        push(c, {worst.path_weighted, worst.path_plain});
-      }
+      refine(worst);
     }
+    keep_covered();
   }
 
  private:
@@ -50,6 +41,56 @@ class Selector {
     return nodes_.subspan(record.first_child, record.child_count);
   }
 
+  void refine(const Selection::Candidate& worst) {
+    const NodeRecord& record = nodes_[worst.node];
+    std::uint64_t bytes = 0;
+    bool admitted = out_.by_priority.size() + record.child_count <= kSelectionNodesPerPage * query_.most_pages;
+    for (const NodeRecord& child : children(record)) {
+      admitted = admitted && query_.limits.admit(child);
+      bytes += pool_bytes(child);
+    }
+    // The root stays whatever covers it.
+    const bool covered = worst.node != 0 && query_.cover != nullptr && query_.cover->refinable(worst.node);
+    const std::uint64_t own = covered ? pool_bytes(record) : 0;
+    if (pages_ + record.child_count - (covered ? 1 : 0) > query_.most_pages) return;
+    if (!admitted || bytes > query_.budget_bytes - (out_.bytes - own)) return;
+    out_.bytes += bytes - own;
+    pages_ += record.child_count - (covered ? 1 : 0);
+    out_.refined.push_back(worst.node);
+    if (covered) out_.covered.push_back({worst.path_weighted, worst.node});
+    for (std::uint32_t c = record.first_child; c < record.first_child + record.child_count; ++c) {
+      out_.by_priority.push_back(c);
+      push(c, {worst.path_weighted, worst.path_plain});
+    }
+  }
+
+  // Of the covered nodes, those that are there or on their way stay, as many as fit, those with the smallest errors
+  // first; what stayed before has the dead band.
+  void keep_covered() {
+    for (Selection::Covered& covered : out_.covered)
+      if (marked(covered.node, kMarkSelected)) covered.error /= kRefinedBonus;
+    std::sort(out_.covered.begin(), out_.covered.end(),
+              [](const auto& a, const auto& b) { return a.error != b.error ? a.error < b.error : a.node < b.node; });
+    std::erase_if(out_.covered, [&](const Selection::Covered& covered) {
+      const std::uint64_t bytes = pool_bytes(nodes_[covered.node]);
+      const bool there = query_.cover->resident(covered.node) || marked(covered.node, kMarkSelected);
+      if (!there || bytes > query_.budget_bytes - out_.bytes || pages_ == query_.most_pages) return false;
+      out_.bytes += bytes;
+      ++pages_;
+      return true;
+    });
+    // What is left is not selected.
+    std::sort(out_.covered.begin(), out_.covered.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
+    std::erase_if(out_.by_priority, [&](std::uint32_t node) {
+      return std::binary_search(out_.covered.begin(), out_.covered.end(), Selection::Covered{0, node},
+                                [](const auto& a, const auto& b) { return a.node < b.node; });
+    });
+  }
+
+  [[nodiscard]] bool marked(std::uint32_t node, std::uint8_t mark) const {
+    return !query_.previous.empty() && (query_.previous[node] & mark) != 0;
+  }
+
   // `above`: errors never grow on the way down.
   void push(std::uint32_t node, const ErrorMeter::Errors& above) {
     const NodeRecord& record = nodes_[node];
@@ -57,9 +98,8 @@ class Selector {
     const ErrorMeter::Errors own = error_of_(record);
     const double weighted = std::min(above.weighted, own.weighted);
     const double plain = std::min(above.plain, own.plain);
-    // The previous selection is closed under ancestors, so a node has the bonus only where its parent has it too.
-    const bool refined = !query_.previous.empty() && query_.previous[record.first_child] != 0;
-    const double bonus = refined ? kRefinedBonus : 1.0;
+    // What was refined is closed under ancestors, so a node has the bonus only where its parent has it too.
+    const double bonus = marked(node, kMarkRefined) ? kRefinedBonus : 1.0;
     if (!(plain * bonus > query_.tolerance)) return;
     out_.heap.push_back({weighted * bonus, weighted, plain, node});
     std::push_heap(out_.heap.begin(), out_.heap.end(), later);
@@ -69,17 +109,18 @@ class Selector {
   const SelectionQuery& query_;
   const ErrorMeter error_of_;
   Selection& out_;
+  std::size_t pages_ = 1;  // selected so far
 };
 
 class WantedCounter {
  public:
   WantedCounter(const WorldIndex& index, std::span<const View> views, double tolerance, bool include_detail,
-                std::span<const std::uint8_t> resident)
+                const Cover& cover)
       : nodes_(index.nodes),
         error_of_(index, views, true),
         tolerance_(tolerance),
         include_detail_(include_detail),
-        resident_(resident) {}
+        cover_(cover) {}
 
   WantedCount run() {
     visit(0);
@@ -91,11 +132,10 @@ class WantedCounter {
     const NodeRecord& node = nodes_[n];
     const bool refinable = node.child_count > 0 && (include_detail_ || !nodes_[node.first_child].is_detail());
     if (!refinable || error_of_.empty() || !(error_of_(node).plain > tolerance_)) {
-      add(resident_[n] != 0);
+      add(cover_.covered(n));
       return;
     }
-    const auto children = resident_.subspan(node.first_child, node.child_count);
-    if (std::find_if(children.begin(), children.end(), [](std::uint8_t r) { return r != 0; }) == children.end()) {
+    if (!cover_.any_child_covered(n)) {
       add(false);
       return;
     }
@@ -111,7 +151,7 @@ class WantedCounter {
   const ErrorMeter error_of_;
   const double tolerance_;
   const bool include_detail_;
-  const std::span<const std::uint8_t> resident_;
+  const Cover& cover_;
   WantedCount count_;
 };
 
@@ -173,10 +213,26 @@ void select_nodes(const WorldIndex& index, const SelectionQuery& query, Selectio
   std::sort(selection.nodes.begin(), selection.nodes.end());
 }
 
+void Selection::reserve(std::size_t most_pages) {
+  const std::size_t most = kSelectionNodesPerPage * most_pages;
+  for (std::vector<std::uint32_t>* list : {&by_priority, &nodes, &refined}) list->reserve(most);
+  heap.reserve(most);
+  covered.reserve(most);
+}
+
+void mark_selection(const Selection& selection, std::span<std::uint8_t> marks, std::vector<std::uint32_t>& marked) {
+  for (const std::uint32_t node : marked) marks[node] = 0;
+  marked = selection.nodes;
+  for (const std::uint32_t node : selection.nodes) marks[node] = kMarkSelected;
+  for (const std::uint32_t node : selection.refined) {
+    if (marks[node] == 0) marked.push_back(node);
+    marks[node] |= kMarkRefined;
+  }
+}
+
 WantedCount count_wanted(const WorldIndex& index, std::span<const View> views, double tolerance, bool include_detail,
-                         std::span<const std::uint8_t> resident) {
-  ZC_CHECK(resident.size() == index.nodes.size());
-  return WantedCounter(index, views, tolerance, include_detail, resident).run();
+                         const Cover& cover) {
+  return WantedCounter(index, views, tolerance, include_detail, cover).run();
 }
 
 }  // namespace zc

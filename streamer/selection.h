@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which nodes should be resident: a pure function of views, index, the previous selection and a budget.
+// Which nodes should be resident: a pure function of views, index, residency, the previous selection and a budget.
 // Threads: pure, but the scratch it works in belongs to one caller · units: metres (CRS), bytes.
 //
 // Greedy refinement: the root is selected; the node with the largest weighted error whose children all fit in what is
@@ -8,13 +8,18 @@
 // distance, later views weighing less, and never more than its parent's. A node that was refined in the previous
 // selection counts 1.25 times. Where the eye looks has no say: a mirror shows what is behind it.
 //
-// How good it is: of all sets that are closed under ancestors and siblings and fit the budget, none has a smaller
-// largest weighted error at its cut than the greedy one (to beat it, the node that did not fit would have to be
-// refined, and with it all that the greedy order refined before); with a previous selection, none by more than the
-// factor 1.25.
+// A refined node is needed until finer pages cover its ground; then it takes no more of the budget, and only what the
+// others leave keeps it resident, first where the camera will soon ask for it again. So the budget goes to what is
+// shown, and ground that is new is refined step by step.
+//
+// How good it is: of all cuts that fit the budget with what they need, none has a smaller largest weighted error than
+// the greedy one, as long as no node takes more bytes than its children (to beat it, the node that did not fit would
+// have to be refined, and with it all that the greedy order refined before); with a previous selection, none by more
+// than the factor 1.25.
 //
 // Nothing oscillates at a fixed camera: refined nodes only gain, others only lose, and errors fall along every path, so
-// the greedy order keeps every refined node ahead of the same rivals, and each rival still finds too little room.
+// the greedy order keeps every refined node ahead of the same rivals, and each rival still finds too little room, until
+// something more is covered.
 //
 // The tree is looked at only below what is refined, so that the world's size has no say.
 #pragma once
@@ -26,6 +31,7 @@
 #include <span>
 #include <vector>
 
+#include "streamer/cover.h"
 #include "streamer/world_format/world_index.h"
 
 namespace zc {
@@ -53,27 +59,48 @@ struct LoadLimits {
   [[nodiscard]] bool admit(const NodeRecord& node) const;
 };
 
+// For each node that may be selected the selection looks at so many: refined ones beside those that stay.
+inline constexpr std::size_t kSelectionNodesPerPage = 2;
+
 struct SelectionQuery {
   std::span<const View> views = {};
   LoadLimits limits = {};
-  std::span<const std::uint8_t> previous = {};  // per node: selected by the previous call; empty for none
+  std::span<const std::uint8_t> previous = {};  // per node: mark_selection()'s of the previous call; empty for none
+  const Cover* cover = nullptr;                 // what is resident; null: nothing
   std::uint64_t budget_bytes = 0;               // pool bytes, the root's included
+  std::size_t most_pages = std::numeric_limits<std::size_t>::max() / kSelectionNodesPerPage;  // selected nodes
   double tolerance = 0.002;
 };
 
 struct Selection {
-  std::vector<std::uint32_t> by_priority;  // selected nodes, parents first, the most needed first
+  std::vector<std::uint32_t> by_priority;  // selected nodes, the most needed first, none before its selected ancestors
   std::vector<std::uint32_t> nodes;        // the same, sorted by id
   std::uint64_t bytes = 0;                 // pool bytes of the selected nodes
 
+  std::vector<std::uint32_t> refined;  // whose children are selected, or refined in turn
+
+  // Working memory, kept between calls.
   struct Candidate {
     double error;  // weighted, with the bonus
     double path_weighted;
     double path_plain;
     std::uint32_t node;
   };
-  std::vector<Candidate> heap;  // working memory, kept between calls
+  std::vector<Candidate> heap;
+  struct Covered {  // a refined node that finer pages cover
+    double error;
+    std::uint32_t node;
+  };
+  std::vector<Covered> covered;
+
+  void reserve(std::size_t most_pages);
 };
+
+inline constexpr std::uint8_t kMarkSelected = 1;
+inline constexpr std::uint8_t kMarkRefined = 2;
+// Marks per node, as `previous` takes them: sets those of `selection`, and lists the nodes in `marked`, in place of
+// those that were listed there.
+void mark_selection(const Selection& selection, std::span<std::uint8_t> marks, std::vector<std::uint32_t>& marked);
 
 // visible_error_m() over distance, the largest over the views.
 class ErrorMeter {
@@ -104,16 +131,17 @@ class ErrorMeter {
 // Replaces `selection`. With no view only the root is selected.
 void select_nodes(const WorldIndex& index, const SelectionQuery& query, Selection& selection);
 
-// What select_nodes takes in memory at most, per node that fits the budget.
-inline constexpr std::uint64_t kSelectionBytesPerNode = 2 * sizeof(std::uint32_t) + sizeof(Selection::Candidate);
+// What select_nodes takes in memory at most, per node that may be selected, with mark_selection()'s list.
+inline constexpr std::uint64_t kSelectionBytesPerPage =
+    kSelectionNodesPerPage * (4 * sizeof(std::uint32_t) + sizeof(Selection::Candidate) + sizeof(Selection::Covered));
 
 // The cut that the tolerance asks for now, whatever the budget. What is asked for below a node none of whose children
-// is resident counts as one node, so that the world's size has no say.
+// is there counts as one node, so that the world's size has no say.
 struct WantedCount {
   std::uint32_t nodes = 0;
-  std::uint32_t missing = 0;  // of those: not resident
+  std::uint32_t missing = 0;  // of those: neither resident nor covered by finer pages
 };
 [[nodiscard]] WantedCount count_wanted(const WorldIndex& index, std::span<const View> views, double tolerance,
-                                       bool include_detail, std::span<const std::uint8_t> resident);
+                                       bool include_detail, const Cover& cover);
 
 }  // namespace zc

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "base/check.h"
-#include "streamer/belady.h"
 #include "streamer/event_log.h"
 #include "streamer/index_file.h"
 #include "streamer/latency_samples.h"
@@ -47,16 +46,14 @@ class Streamer::Impl {
         plan_(plan),
         limits_(load_limits(plan, options.include_detail)),
         nodes_(index_.nodes.size()),
-        selected_(index_.nodes.size()),
+        marks_(index_.nodes.size()),
         pool_(index_, sink, plan.pool_bytes / 4, plan.pages),
-        prefetch_(index_, plan.pages),
-        trace_(plan.trace_words) {
+        prefetch_(index_, plan.pages) {
     // Reserved to their largest, so that none ever grows beyond what the ledger counts.
-    for (std::vector<std::uint32_t>* list :
-         {&previous_nodes_, &used_, &previous_used_, &selection_.by_priority, &selection_.nodes})
-      list->reserve(plan.pages);
+    used_.reserve(plan.pages);
     evictions_.reserve(plan.pages);
-    selection_.heap.reserve(plan.pages);
+    selection_.reserve(plan.pages);
+    marked_.reserve(kSelectionNodesPerPage * plan.pages);
     loads_.reserve(options_.max_in_flight);
   }
 
@@ -73,8 +70,8 @@ class Streamer::Impl {
     ZC_TRY(make_resident(0, page));
     ++stats_.requests.completed;
     stats_.bytes_read += compressed_bytes(root);
-    selected_[0] = 1;
-    previous_nodes_.assign(1, 0);
+    marks_[0] = kMarkSelected;
+    marked_.assign(1, 0);
     pool_.update_cover();
     workers_ = std::make_unique<LoadWorkers>(source_, index_, options_.threads, plan_.scratch_bytes);
     return {};
@@ -100,7 +97,7 @@ class Streamer::Impl {
       ZC_TRY(complete(any));
     } while (any);
     pool_.update_cover();
-    record_trace();
+    show_frame();
     count_frame(views);
     return {};
   }
@@ -122,20 +119,7 @@ class Streamer::Impl {
     return out;
   }
 
-  [[nodiscard]] std::optional<OptimalPaging> optimal() const {
-    if (!trace_.complete()) return std::nullopt;
-    std::vector<std::uint64_t> in_pool;
-    std::vector<std::uint64_t> read;
-    in_pool.reserve(index_.nodes.size());
-    read.reserve(index_.nodes.size());
-    for (const NodeRecord& node : index_.nodes) {
-      in_pool.push_back(pool_bytes(node));
-      read.push_back(compressed_bytes(node));
-    }
-    return belady(trace_.words(), in_pool, read, plan_.pool_bytes);
-  }
-
-  void observe(PagingObserver* observer) { observer_ = observer; }
+  void observe(PagingObserver& observer) { observers_.push_back(&observer); }
 
   [[nodiscard]] const WorldIndex& index() const { return index_; }
   [[nodiscard]] std::uint64_t pool_words() const { return plan_.pool_bytes / 4; }
@@ -143,11 +127,10 @@ class Streamer::Impl {
 
  private:
   void reserve_fixed() {
-    const std::array<std::pair<LedgerClass, std::uint64_t>, 6> parts = {{
+    const std::array<std::pair<LedgerClass, std::uint64_t>, 5> parts = {{
         {LedgerClass::kIndex, plan_.index_bytes},
         {LedgerClass::kState, plan_.state_bytes},
         {LedgerClass::kTopLevel, plan_.top_level_bytes},
-        {LedgerClass::kTrace, plan_.trace_bytes},
         {LedgerClass::kScratch, plan_.scratch_bytes},
         {LedgerClass::kPool, plan_.pool_bytes},
     }};
@@ -160,7 +143,7 @@ class Streamer::Impl {
 
   void add_span(LoadState state, std::uint32_t node, unsigned worker, LoadWorkers::Time begin, LoadWorkers::Time end) {
     states_[static_cast<std::size_t>(state)].add(std::chrono::duration<double, std::milli>(end - begin).count());
-    if (observer_ != nullptr) observer_->on_span({state, node, worker, begin, end});
+    for (PagingObserver* observer : observers_) observer->on_span({state, node, worker, begin, end});
   }
 
   // What a worker did, and what came before it.
@@ -172,16 +155,18 @@ class Streamer::Impl {
 
   // --- what should be resident ---
 
+  [[nodiscard]] bool selected(std::uint32_t n) const { return (marks_[n] & kMarkSelected) != 0; }
+
   void select(std::span<const View> views) {
     const SelectionQuery query = {.views = views,
                                   .limits = limits_,
-                                  .previous = selected_.view(),
+                                  .previous = marks_.view(),
+                                  .cover = &pool_.nodes(),
                                   .budget_bytes = plan_.pool_bytes,
+                                  .most_pages = plan_.pages,
                                   .tolerance = options_.tolerance};
     select_nodes(index_, query, selection_);
-    for (const std::uint32_t node : previous_nodes_) selected_[node] = 0;
-    for (const std::uint32_t node : selection_.nodes) selected_[node] = 1;
-    previous_nodes_ = selection_.nodes;
+    mark_selection(selection_, marks_.view(), marked_);
     evictions_valid_ = false;
     cancel_unselected();
   }
@@ -191,7 +176,7 @@ class Streamer::Impl {
     for (std::size_t i = 0; i < loads_.size();) {
       Load& load = loads_[i];
       NodeState& node = nodes_[load.node];
-      if (selected_[load.node] != 0 || node.phase != NodePhase::kLoading) {
+      if (selected(load.node) || node.phase != NodePhase::kLoading) {
         ++i;
         continue;
       }
@@ -372,7 +357,7 @@ class Streamer::Impl {
 
   Status make_resident(std::uint32_t n, const std::vector<std::uint32_t>& page) {
     const LoadWorkers::Time began = std::chrono::steady_clock::now();
-    while (!pool_.has_room_for(n)) evict_one();
+    while (!pool_.has_room_for(n) || pool_.residents().size() == plan_.pages) evict_one();
     const std::uint64_t compactions = pool_.compactions();
     ZC_TRY(pool_.add(n, page));
     if (pool_.compactions() != compactions) events_.record(frame_, EventKind::kCompact, 0);
@@ -391,31 +376,47 @@ class Streamer::Impl {
     return {};
   }
 
-  void push_eviction(std::uint32_t n) {
+  // What is lost with a page: nothing where finer pages cover its ground, of which the one that the camera is the
+  // furthest from asking for goes first; else the ground shows the nearest resident ancestor.
+  [[nodiscard]] double loss_of(std::uint32_t n) const {
     const Cover& pages = pool_.nodes();
-    if (n == 0 || !pages.resident(n) || selected_[n] != 0 || pages.resident_children(n) > 0) return;
-    evictions_.push_back({(*error_of_)(index_.nodes[static_cast<std::size_t>(index_.nodes[n].parent)]).weighted, n});
+    if (pages.refinable(n)) return -(*error_of_)(index_.nodes[n]).weighted;
+    std::uint32_t shown = n;
+    do shown = static_cast<std::uint32_t>(index_.nodes[shown].parent);
+    while (!pages.resident(shown));
+    return (*error_of_)(index_.nodes[shown]).weighted;
+  }
+
+  void push_eviction(std::uint32_t n) {
+    evictions_.push_back({loss_of(n), n});
     std::push_heap(evictions_.begin(), evictions_.end(), worse_eviction);
   }
 
-  // The selection fits the pool, so as long as a selected page lacks room, something unselected is resident; and the
-  // selection is closed under ancestors, so that something without resident children is, too.
+  // The selection fits the pool, so as long as a selected page lacks room, something unselected is resident.
   void evict_one() {
     if (!evictions_valid_) {
       evictions_.clear();
-      for (const std::uint32_t n : pool_.residents()) push_eviction(n);
+      for (const std::uint32_t n : pool_.residents())
+        if (n != 0 && !selected(n)) push_eviction(n);
       evictions_valid_ = true;
     }
-    ZC_CHECK(!evictions_.empty());
-    std::pop_heap(evictions_.begin(), evictions_.end(), worse_eviction);
-    const std::uint32_t n = evictions_.back().node;
-    evictions_.pop_back();
+    std::uint32_t n = 0;
+    while (n == 0) {
+      ZC_CHECK(!evictions_.empty());
+      std::pop_heap(evictions_.begin(), evictions_.end(), worse_eviction);
+      const Eviction least = evictions_.back();
+      evictions_.pop_back();
+      // What went before may have made it a greater loss.
+      if (loss_of(least.node) > least.loss)
+        push_eviction(least.node);
+      else
+        n = least.node;
+    }
     NodeState& node = nodes_[n];
     node.phase = NodePhase::kAbsent;
     node.evicted_frame = frame_;
     pool_.remove(n);
     if (node.prefetched != 0) prefetch_.evicted(n);
-    push_eviction(static_cast<std::uint32_t>(index_.nodes[n].parent));
     ++stats_.zones_evicted;
     ++stats_.frame.evictions;
     events_.record(frame_, EventKind::kEvict, n);
@@ -423,18 +424,16 @@ class Streamer::Impl {
 
   // --- what is counted ---
 
-  // What was selected and there: an optimal eviction would have had to serve the same, in the same pool.
-  void record_trace() {
-    std::swap(used_, previous_used_);
+  void show_frame() {
+    if (observers_.empty()) return;
     used_.clear();
     std::copy_if(selection_.nodes.begin(), selection_.nodes.end(), std::back_inserter(used_),
                  [&](std::uint32_t n) { return pool_.nodes().resident(n); });
-    trace_.record(previous_used_, used_);
+    for (PagingObserver* observer : observers_) observer->on_frame(used_);
   }
 
   void count_frame(std::span<const View> views) {
-    const WantedCount wanted =
-        count_wanted(index_, views, options_.tolerance, options_.include_detail, pool_.nodes().resident());
+    const WantedCount wanted = count_wanted(index_, views, options_.tolerance, options_.include_detail, pool_.nodes());
     FrameStatistics& frame = stats_.frame;
     frame.resident_nodes = static_cast<std::uint32_t>(pool_.residents().size());
     frame.cover_nodes = static_cast<std::uint32_t>(pool_.cover().size());
@@ -461,15 +460,14 @@ class Streamer::Impl {
   const LoadLimits limits_;
 
   ZeroedArray<NodeState> nodes_;
-  ZeroedArray<std::uint8_t> selected_;
-  std::vector<std::uint32_t> previous_nodes_;
+  ZeroedArray<std::uint8_t> marks_;  // the selection's, and which nodes have any
+  std::vector<std::uint32_t> marked_;
   Selection selection_;
   PagePool pool_;
   std::vector<Eviction> evictions_;
   bool evictions_valid_ = false;
 
   std::vector<std::uint32_t> used_;
-  std::vector<std::uint32_t> previous_used_;
 
   std::uint32_t frame_ = 0;
   double time_s_ = 0;
@@ -480,14 +478,13 @@ class Streamer::Impl {
   std::vector<Load> loads_;
   std::uint64_t next_ticket_ = 1;
 
-  PagingObserver* observer_ = nullptr;
+  std::vector<PagingObserver*> observers_;
   StreamerStatistics stats_;
   LatencySamples latencies_;
   std::array<LatencySamples, kLoadStateCount> states_;
   Teleports teleports_;
   PrefetchAccount prefetch_;
   EventLog events_;
-  SelectionTrace trace_;
   std::unique_ptr<LoadWorkers> workers_;  // last: its threads stop first
 };
 
@@ -511,7 +508,7 @@ Streamer::Streamer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Streamer::~Streamer() = default;
 
 Status Streamer::advance(std::span<const View> views, double time_s) { return impl_->advance(views, time_s); }
-void Streamer::observe(PagingObserver* observer) { impl_->observe(observer); }
+void Streamer::observe(PagingObserver& observer) { impl_->observe(observer); }
 const WorldIndex& Streamer::index() const { return impl_->index(); }
 std::uint64_t Streamer::pool_words() const { return impl_->pool_words(); }
 std::span<const std::uint32_t> Streamer::cover() const { return impl_->pool().cover(); }
@@ -521,6 +518,5 @@ bool Streamer::resident(std::uint32_t node) const {
 }
 std::uint64_t Streamer::page_offset_words(std::uint32_t node) const { return impl_->pool().offset_words(node); }
 StreamerStatistics Streamer::statistics() const { return impl_->statistics(); }
-std::optional<OptimalPaging> Streamer::optimal() const { return impl_->optimal(); }
 
 }  // namespace zc

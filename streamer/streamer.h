@@ -20,7 +20,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 
 #include "base/result.h"
@@ -47,7 +46,6 @@ struct StreamerOptions {
   bool settle = false;                                // advance() waits for every selected load (offline capture)
   unsigned max_in_flight = 16;                        // requests outstanding, independent of threads
   std::uint64_t upload_bytes_per_frame = 0;           // of pages, at least one page a frame; 0 is unlimited
-  std::uint64_t trace_limit_bytes = 1 << 20;          // record for optimal(); 0 records nothing
   std::function<void(const Error&)> on_failure = {};  // once per node, on the calling thread
 };
 
@@ -68,8 +66,8 @@ class Streamer {
   // Fails only when the sink fails.
   Status advance(std::span<const View> views, double time_s);
 
-  // Borrows it from now on; null: nobody.
-  void observe(PagingObserver* observer);
+  // Borrows it from now on, beside those before.
+  void observe(PagingObserver& observer);
 
   [[nodiscard]] const WorldIndex& index() const;
   [[nodiscard]] std::uint64_t pool_words() const;
@@ -83,9 +81,6 @@ class Streamer {
   [[nodiscard]] std::uint64_t page_offset_words(std::uint32_t node) const;
 
   [[nodiscard]] StreamerStatistics statistics() const;
-  // What Belady's eviction (furthest next use) would have done in the same pool, for the nodes that were selected and
-  // resident in each frame so far; nothing when the trace outgrew its buffer or was not recorded.
-  [[nodiscard]] std::optional<OptimalPaging> optimal() const;
 
  private:
   class Impl;

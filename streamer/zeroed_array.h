@@ -26,6 +26,7 @@ class ZeroedArray {
   T& operator[](std::size_t i) { return elements_.get()[i]; }
   const T& operator[](std::size_t i) const { return elements_.get()[i]; }
   [[nodiscard]] std::span<const T> view() const { return {elements_.get(), size_}; }
+  [[nodiscard]] std::span<T> view() { return {elements_.get(), size_}; }
 
  private:
   struct Free {

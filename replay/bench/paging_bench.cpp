@@ -110,8 +110,10 @@ Result<PagingReport> run_paging_bench(std::string scene, const std::filesystem::
   report.index_bytes = index.resident_bytes();
 
   Selection selection;
-  std::vector<std::uint8_t> previous(index.nodes.size());
-  std::vector<std::uint32_t> selected;
+  std::vector<std::uint8_t> marks(index.nodes.size());
+  std::vector<std::uint32_t> marked;
+  Cover resident(index);  // at once what is selected
+  std::vector<std::uint32_t> before;
   std::vector<double> times;
   std::vector<double> counts;
   for (unsigned f = 0; f < options.frames; ++f) {
@@ -119,16 +121,20 @@ Result<PagingReport> run_paging_bench(std::string scene, const std::filesystem::
     const Stopwatch watch;
     select_nodes(index,
                  {.views = views,
-                  .previous = previous,
+                  .previous = marks,
+                  .cover = &resident,
                   .budget_bytes = std::max(options.pool_bytes, pool_bytes(index.nodes[0])),
                   .tolerance = options.tolerance},
                  selection);
-    for (const std::uint32_t n : selected) previous[n] = 0;
-    for (const std::uint32_t n : selection.nodes) previous[n] = 1;
-    [[maybe_unused]] const WantedCount wanted = count_wanted(index, views, options.tolerance, false, previous);
+    mark_selection(selection, marks, marked);
+    for (const std::uint32_t n : before)
+      if ((marks[n] & kMarkSelected) == 0) resident.remove(n);
+    for (const std::uint32_t n : selection.nodes)
+      if (!resident.resident(n)) resident.add(n);
+    [[maybe_unused]] const WantedCount wanted = count_wanted(index, views, options.tolerance, false, resident);
     times.push_back(watch.ms());
-    selected = selection.nodes;
-    counts.push_back(static_cast<double>(selected.size()));
+    before = selection.nodes;
+    counts.push_back(static_cast<double>(before.size()));
   }
   report.selected_nodes = median(counts);
   std::ranges::sort(times);

@@ -11,11 +11,7 @@ using Ids = std::vector<std::uint32_t>;
 OptimalPaging optimum(const std::vector<Ids>& selections, const std::vector<std::uint64_t>& bytes,
                       std::uint64_t budget) {
   SelectionTrace trace(1000);
-  Ids before;
-  for (const Ids& after : selections) {
-    trace.record(before, after);
-    before = after;
-  }
+  for (const Ids& selection : selections) trace.on_frame(selection);
   EXPECT_TRUE(trace.complete());
   return belady(trace.words(), bytes, bytes, budget);
 }
@@ -48,12 +44,12 @@ TEST(Belady, reads_every_page_once_and_again_at_each_reload) {
 
 TEST(SelectionTrace, frames_without_a_change_take_nothing_and_a_full_buffer_ends_it) {
   SelectionTrace trace(4);
-  trace.record(Ids{}, Ids{0});
+  trace.on_frame(Ids{0});
   const std::size_t words = trace.words().size();
-  for (int i = 0; i < 100; ++i) trace.record(Ids{0}, Ids{0});
+  for (int i = 0; i < 100; ++i) trace.on_frame(Ids{0});
   EXPECT_EQ(trace.words().size(), words);
   EXPECT_TRUE(trace.complete());
-  trace.record(Ids{0}, Ids{0, 1, 2, 3});
+  trace.on_frame(Ids{0, 1, 2, 3});
   EXPECT_FALSE(trace.complete());
   EXPECT_EQ(trace.words().size(), words);
 }

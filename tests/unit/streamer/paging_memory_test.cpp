@@ -204,8 +204,7 @@ TEST(PagingMemory, does_not_grow_with_loads) {
   const std::uint64_t loads = asked != nullptr ? std::strtoull(asked, nullptr, 10) : 5000;
   MemorySource source(world().files);
   HeapPageSink sink;
-  StreamerOptions options = options_for(0.3);
-  options.trace_limit_bytes = 0;
+  const StreamerOptions options = options_for(0.3);
   auto streamer = Streamer::open(source, options, sink);
   ASSERT_TRUE(streamer.ok());
   long long early = 0;

@@ -227,7 +227,7 @@ TEST(PagingObserver, sees_every_state_of_every_page_in_order) {
   options.threads = 3;
   auto streamer = Streamer::open(source, options, sink);
   ASSERT_TRUE(streamer.ok());
-  (*streamer)->observe(&recorder);
+  (*streamer)->observe(recorder);
   const View view = at(100, 100);
   ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), 0).ok());
   const std::uint64_t pages = (*streamer)->statistics().zones_loaded - 1;

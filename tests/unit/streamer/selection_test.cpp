@@ -44,14 +44,15 @@ struct Chooser {
   explicit Chooser(const WorldIndex& world) : index(world), previous(world.nodes.size()) {}
 
   const Selection& run(std::span<const View> views, std::uint64_t budget) {
-    select_nodes(index, {.views = views, .previous = previous, .budget_bytes = budget}, selection);
-    std::fill(previous.begin(), previous.end(), std::uint8_t{0});
-    for (const std::uint32_t n : selection.nodes) previous[n] = 1;
+    select_nodes(index, {.views = views, .previous = previous, .cover = cover, .budget_bytes = budget}, selection);
+    mark_selection(selection, previous, marked);
     return selection;
   }
 
   const WorldIndex& index;
+  const Cover* cover = nullptr;
   std::vector<std::uint8_t> previous;
+  std::vector<std::uint32_t> marked;
   Selection selection;
 };
 
@@ -116,8 +117,9 @@ TEST(Selection, with_budget_enough_holds_every_wanted_node) {
   const WorldIndex index = make_index(5, 5);
   Chooser chooser(index);
   const View view{{300, 300, 2}};
-  chooser.run(std::span(&view, 1), 1ULL << 40U);
-  const WantedCount wanted = count_wanted(index, std::span(&view, 1), 0.002, false, chooser.previous);
+  Cover cover(index);
+  for (const std::uint32_t n : chooser.run(std::span(&view, 1), 1ULL << 40U).nodes) cover.add(n);
+  const WantedCount wanted = count_wanted(index, std::span(&view, 1), 0.002, false, cover);
   EXPECT_GT(wanted.nodes, 4U);
   EXPECT_EQ(wanted.missing, 0U);
 }
@@ -130,8 +132,11 @@ TEST(Selection, detail_is_selected_and_wanted_only_when_asked_for) {
   index.nodes[0].first_child = 1;
   index.nodes[0].child_count = 1;
   const View view{{500, 500, 2}};
-  const std::vector<std::uint8_t> zone = {1, 0};
-  const std::vector<std::uint8_t> both = {1, 1};
+  Cover zone(index);
+  zone.add(0);
+  Cover both(index);
+  both.add(0);
+  both.add(1);
   Selection selection;
   select_nodes(index, {.views = std::span(&view, 1), .budget_bytes = 1 << 20U}, selection);
   EXPECT_EQ(selection.nodes, (std::vector<std::uint32_t>{0}));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "streamer/belady.h"
 #include "streamer/world_format/bvh_page.h"
 #include "tests/unit/streamer/tiny_world.h"
 
@@ -118,15 +119,23 @@ TEST(Streamer, never_exceeds_its_cap_and_always_covers_the_world) {
     const StreamerOptions options = options_for(cap_for(share));
     auto streamer = Streamer::open(source, options, sink);
     ASSERT_TRUE(streamer.ok()) << streamer.error().describe();
+    SelectionTrace trace(1 << 20U);
+    (*streamer)->observe(trace);
     ASSERT_TRUE(drive(**streamer, [&](int f) {
                   const StreamerStatistics s = (*streamer)->statistics();
                   ASSERT_LE(s.frame.ledger_bytes, options.cap_bytes);
                   if (f % 10 == 0) check_cover(**streamer, sink);
                 }).ok());
+    // To and fro, faster than pages come.
+    for (int f = 0; f < 40; ++f) {
+      const View view = view_at(f % 2 == 0 ? 0.1 : 0.6);
+      ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), (kFrames + f) / 30.0).ok());
+      check_cover(**streamer, sink);
+    }
     const StreamerStatistics s = (*streamer)->statistics();
     EXPECT_LE(s.ledger.peak_bytes, options.cap_bytes);
     EXPECT_EQ(s.frames_over_cap, 0U);
-    EXPECT_EQ(s.frames, static_cast<std::uint64_t>(kFrames));
+    EXPECT_EQ(s.frames, static_cast<std::uint64_t>(kFrames + 40));
     EXPECT_EQ(s.requests.issued, s.requests.completed + s.requests.cancelled + s.requests.failed + s.frame.in_flight);
     EXPECT_LE(s.max_in_flight, 6U);
     EXPECT_GE(sink.words().size() * 4, s.pool_bytes);
@@ -139,18 +148,17 @@ TEST(Streamer, never_exceeds_its_cap_and_always_covers_the_world) {
     evicted += s.zones_evicted;
     compacted += s.compactions;
     cancelled += s.requests.cancelled;
-    const std::optional<OptimalPaging> optimal = (*streamer)->optimal();
-    if (optimal) {
-      EXPECT_LE(optimal->reloads, s.reloads);
-      EXPECT_LE(optimal->bytes_read, s.bytes_read);
-    }
+    const std::optional<OptimalPaging> optimal = optimal_paging(trace, world().index, s.pool_bytes);
+    ASSERT_TRUE(optimal);
+    EXPECT_LE(optimal->reloads, s.reloads);
+    EXPECT_LE(optimal->bytes_read, s.bytes_read);
     if (std::getenv("ZONECAST_PRINT") != nullptr)
       std::printf(
           "share %6.3f pool %7llu loaded %4llu evicted %4llu reloads %3llu optimal %3lld compactions %3llu "
           "cancelled %3llu wanted %3llu p50 %.0f p99 %.0f in flight %u\n",
           share, static_cast<unsigned long long>(s.pool_bytes), static_cast<unsigned long long>(s.zones_loaded),
           static_cast<unsigned long long>(s.zones_evicted), static_cast<unsigned long long>(s.reloads),
-          optimal ? static_cast<long long>(optimal->reloads) : -1LL, static_cast<unsigned long long>(s.compactions),
+          static_cast<long long>(optimal->reloads), static_cast<unsigned long long>(s.compactions),
           static_cast<unsigned long long>(s.requests.cancelled), static_cast<unsigned long long>(s.wanted_level_frames),
           s.request_to_resident_ms.p50_ms, s.request_to_resident_ms.p99_ms, s.max_in_flight);
   }
@@ -182,13 +190,16 @@ TEST(Streamer, without_latency_every_wanted_node_is_there_in_the_same_frame) {
   options.source_bandwidth_bytes_per_s = 0;
   auto streamer = Streamer::open(source, options, sink);
   ASSERT_TRUE(streamer.ok());
+  SelectionTrace trace(1 << 20U);
+  (*streamer)->observe(trace);
   ASSERT_TRUE(drive(**streamer).ok());
   const StreamerStatistics s = (*streamer)->statistics();
   EXPECT_EQ(s.wanted_level_frames, s.frames);
   EXPECT_EQ(s.request_to_resident_ms.max_ms, 0.0);
-  ASSERT_TRUE((*streamer)->optimal());
-  EXPECT_EQ((*streamer)->optimal()->reloads, 0U);
-  EXPECT_EQ((*streamer)->optimal()->bytes_read, s.bytes_read);
+  const std::optional<OptimalPaging> optimal = optimal_paging(trace, world().index, s.pool_bytes);
+  ASSERT_TRUE(optimal);
+  EXPECT_EQ(optimal->reloads, 0U);
+  EXPECT_EQ(optimal->bytes_read, s.bytes_read);
 }
 
 TEST(Streamer, latency_and_bandwidth_are_those_of_the_model) {
@@ -210,18 +221,47 @@ TEST(Streamer, latency_and_bandwidth_are_those_of_the_model) {
 }
 
 TEST(Streamer, at_a_fixed_camera_settles_and_then_does_nothing) {
-  MemorySource source(world().files);
-  HeapPageSink sink;
-  auto streamer = Streamer::open(source, options_for(cap_for(0.6)), sink);
-  ASSERT_TRUE(streamer.ok());
-  ASSERT_TRUE(drive(**streamer).ok());
-  const View view = view_at(0.3);
-  for (int f = 0; f < 200; ++f) ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), 8 + f / 30.0).ok());
-  const std::string log = (*streamer)->statistics().event_log_xxh3;
-  const std::uint64_t generation = (*streamer)->cover_generation();
-  for (int f = 200; f < 400; ++f) ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), 8 + f / 30.0).ok());
-  EXPECT_EQ((*streamer)->statistics().event_log_xxh3, log);
-  EXPECT_EQ((*streamer)->cover_generation(), generation);
+  for (const double share : {0.3, 0.5, 0.6, 0.7, 0.8, 1.0}) {
+    MemorySource source(world().files);
+    HeapPageSink sink;
+    auto streamer = Streamer::open(source, options_for(cap_for(share)), sink);
+    ASSERT_TRUE(streamer.ok());
+    ASSERT_TRUE(drive(**streamer).ok());
+    const View view = view_at(0.3);
+    for (int f = 0; f < 200; ++f) ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), 8 + f / 30.0).ok());
+    const std::string log = (*streamer)->statistics().event_log_xxh3;
+    const std::uint64_t generation = (*streamer)->cover_generation();
+    for (int f = 200; f < 400; ++f) ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), 8 + f / 30.0).ok());
+    EXPECT_EQ((*streamer)->statistics().event_log_xxh3, log) << share;
+    EXPECT_EQ((*streamer)->cover_generation(), generation) << share;
+  }
+}
+
+// The pages that finer ones cover give way first: what a view asks for is there in a pool that could not hold the
+// pages above it as well.
+TEST(Streamer, under_pressure_the_pool_holds_what_is_shown) {
+  bool found = false;
+  for (const double share : {0.26, 0.27, 0.28, 0.29, 0.3, 0.31}) {
+    MemorySource source(world().files);
+    HeapPageSink sink;
+    auto streamer = Streamer::open(source, options_for(cap_for(share)), sink);
+    ASSERT_TRUE(streamer.ok());
+    const View view = view_at(0.3);
+    for (int f = 0; f < 200; ++f) ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), f / 30.0).ok());
+    check_cover(**streamer, sink);
+    const StreamerStatistics s = (*streamer)->statistics();
+    std::uint64_t above = 0;  // what is missing above the pages shown
+    for (std::uint32_t n = 0; n < world().index.nodes.size(); ++n) {
+      const NodeRecord& node = world().index.nodes[n];
+      for (std::uint32_t c = node.first_child; c < node.first_child + node.child_count; ++c)
+        if ((*streamer)->resident(c) && !(*streamer)->resident(n)) {
+          above += pool_bytes(node);
+          break;
+        }
+    }
+    if (s.frame.missing_nodes == 0 && above > 0 && s.frame.resident_page_bytes + above > s.pool_bytes) found = true;
+  }
+  EXPECT_TRUE(found);
 }
 
 TEST(Streamer, a_damaged_or_vanished_page_is_covered_by_its_ancestor_and_retried) {

@@ -48,7 +48,7 @@ void use_index(const WorldIndex& index) {
   EXPECT_LE(selection.nodes.size(), index.nodes.size());
   Cover cover(index);
   for (const std::uint32_t n : selection.nodes) cover.add(n);
-  EXPECT_LE(count_wanted(index, views, 1e-9, true, cover.resident()).missing, index.nodes.size());
+  EXPECT_LE(count_wanted(index, views, 1e-9, true, cover).missing, index.nodes.size());
   std::vector<std::uint32_t> cut;
   cover.collect(cut);
   EXPECT_LE(cut.size(), selection.nodes.size());
