@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The file formats, held to files made once: what is written today must equal them byte for byte, and reading them must
-// give the values below. A test that fails here means a new format version, with a new file beside the old one.
+// give the values below. A test that fails here means a new format version, with a new file beside the old one. Event
+// logs, too: one that fails there means that paging decides otherwise than before.
 // ZONECAST_REWRITE_GOLDEN=1 writes the files.
 #include <gtest/gtest.h>
 
@@ -12,9 +13,11 @@
 
 #include "base/file.h"
 #include "shaders/shared/page_node.h"
+#include "streamer/streamer.h"
 #include "streamer/world_format/bvh_page.h"
 #include "streamer/world_format/page_view.h"
 #include "streamer/world_format/world_index.h"
+#include "tests/unit/streamer/tiny_world.h"
 
 namespace zc {
 namespace {
@@ -208,6 +211,43 @@ TEST(Golden, PageVersion3) {
   EXPECT_EQ(last.look.place, 0x00804020U);
   EXPECT_EQ(view.triangle(0).look.material, 0U | gpu::kLookTextured << 16U | 2U << 18U | 1U << 20U);
   EXPECT_EQ(view.triangle(1).material, 0U);
+}
+
+// Every build type, compiler and sanitizer, and every number of threads: the same decisions.
+TEST(Golden, EventLogs) {
+  const test::TinyWorldOptions shape = {.levels = 4, .grid = 8, .soup = 10};
+  const test::TinyWorld world = test::make_tiny_world(shape);
+  const double size = test::tiny_world_size_m(shape);
+  std::uint64_t pages = 0;
+  for (const NodeRecord& node : world.index.nodes) pages += pool_bytes(node);
+  std::string logs;
+  for (const unsigned share : {100U, 50U, 25U, 12U}) {
+    test::MemorySource source(world.files);
+    source.remove(node_file(world.index.nodes[9], "glb"));
+    HeapPageSink sink;
+    const StreamerOptions options = {.cap_bytes = smallest_cap_bytes(world.index) + pages * share / 100,
+                                     .threads = 1 + share % 4,
+                                     .source_latency_s = 0.05,
+                                     .source_bandwidth_bytes_per_s = 2e5,
+                                     .tolerance = 0.02};
+    auto streamer = Streamer::open(source, options, sink);
+    ASSERT_TRUE(streamer.ok()) << streamer.error().describe();
+    for (int f = 0; f < 300; ++f) {
+      std::vector<View> views;
+      for (std::uint32_t ahead = 0; ahead < 4; ++ahead) {
+        const double t = (f + 3.0 * ahead) / 300;
+        views.push_back({{test::kTinyOrigin_m + size * (0.1 + 0.8 * t),
+                          test::kTinyOrigin_m + size * (0.5 + 0.4 * (1 - 4 * t * (1 - t))), 2.0},
+                         ahead});
+      }
+      ASSERT_TRUE((*streamer)->advance(views, f / 30.0).ok());
+    }
+    const StreamerStatistics s = (*streamer)->statistics();
+    logs += std::to_string(share) + " % of the pages: " + s.event_log_xxh3 + ", " + std::to_string(s.zones_loaded) +
+            " loaded, " + std::to_string(s.zones_evicted) + " evicted\n";
+  }
+  const auto* bytes = reinterpret_cast<const std::byte*>(logs.data());
+  golden("event_logs.txt", std::vector<std::byte>(bytes, bytes + logs.size()));
 }
 
 }  // namespace
