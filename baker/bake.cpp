@@ -224,7 +224,8 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   report.seconds.exterior = watch.lap();
 
   progress.begin("cut", 0.02, 0.05, 0);
-  ZoneTree tree = cut_zones(snapped, options.leaf_triangles);
+  const double step_m = std::ldexp(1.0, options.step_log2);
+  ZoneTree tree = cut_zones(snapped, options.leaf_triangles, leaf_step_shift(options.error_m, step_m));
   const std::vector<Material> materials = std::move(snapped.materials);
   report.notes = std::move(snapped.notes);
   WorldIndex& index = report.index;
@@ -236,7 +237,6 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   report.seconds.cut = watch.lap();
 
   progress.begin("simplify", 0.05, 0.85, tree.zones.size());
-  const double step_m = std::ldexp(1.0, options.step_log2);
   const std::vector<std::uint16_t> looks = look_classes(materials);
   const SimplifyContext context = {nullptr, materials, looks, step_m, options.error_m, options.leaf_triangles};
   BakeCache cache;
@@ -246,7 +246,9 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   report.proxies_reused = proxy_cache.found();
   report.proxies_built = proxy_cache.added();
   if (proxies.lost_triangles > 0)
-    report.notes.push_back({"triangles without area at their zone's step", proxies.lost_triangles});
+    report.notes.push_back({"triangles without area at their zone's step, dropped", proxies.lost_triangles});
+  if (proxies.coarse_zones > 0)
+    report.notes.push_back({"zones too wide for the error bound, at full detail too", proxies.coarse_zones});
   report.seconds.simplify = watch.lap();
 
   const std::size_t count = proxies.nodes.size();

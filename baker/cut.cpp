@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <memory>
 
 #include "baker/clip.h"
@@ -22,10 +23,20 @@ constexpr std::uint64_t kWholeObjectMaxZones = 4;
 // each other, smaller cells hold hardly fewer.
 constexpr std::uint64_t kPiecesMax = 2;
 
+// For fine steps alone the world is cut into no more cells than 128 along a side; into 32 where that cuts a handful of
+// wide triangles into any number of pieces.
+constexpr std::uint32_t kWidthDepthMost = 7;
+constexpr std::uint32_t kFewWidthDepthMost = 5;
+constexpr std::uint64_t kFewTriangles = 64;
+
 struct WholeObject {
   std::uint32_t first = 0;
   std::uint32_t count = 0;
-  std::array<std::int64_t, 2> center = {};
+  LatticeBox box;
+
+  [[nodiscard]] std::int64_t center(std::size_t axis) const {
+    return (std::int64_t{box.min[axis]} + box.max[axis]) / 2;
+  }
 };
 
 struct Subtree {
@@ -56,15 +67,30 @@ std::uint64_t pieces_in_quarters(const Subtree& tree, const std::array<std::int6
   return count;
 }
 
-void split(Subtree& tree, const CellGrid& grid, std::uint32_t leaf_triangles) {
+LatticeBox box_of(const Subtree& tree) {
+  LatticeBox box;
+  for (const LooseFace& face : tree.cut)
+    for (const LatticePoint& p : face.p) box.add(p);
+  for (const WholeObject& object : tree.whole) box.add(object.box);
+  return box;
+}
+
+struct LeafLimits {
+  std::uint32_t triangles = 0;
+  std::uint32_t step_shift = 0;
+};
+
+void split(Subtree& tree, const CellGrid& grid, const LeafLimits& limits) {
   // One object that stays whole gains nothing from smaller cells.
   const bool divisible = !tree.cut.empty() || tree.whole.size() > 1;
   const std::uint64_t triangles = triangles_in(tree);
-  if (!divisible || triangles <= leaf_triangles || !grid.can_split(tree.zone.depth)) return;
+  const bool is_wide = tree.zone.depth < kWidthDepthMost && step_shift_for_box(box_of(tree)) > limits.step_shift;
+  if (!divisible || (triangles <= limits.triangles && !is_wide) || !grid.can_split(tree.zone.depth)) return;
   const std::int64_t half = grid.cell_size(tree.zone.depth) / 2;
   const std::array<std::int64_t, 2> middle = {(2 * std::int64_t{tree.zone.cell_x} + 1) * half,
                                               (2 * std::int64_t{tree.zone.cell_y} + 1) * half};
-  if (pieces_in_quarters(tree, middle) > kPiecesMax * triangles) return;
+  const bool is_few = is_wide && triangles <= kFewTriangles && tree.zone.depth < kFewWidthDepthMost;
+  if (!is_few && pieces_in_quarters(tree, middle) > kPiecesMax * triangles) return;
   std::array<std::unique_ptr<Subtree>, 4> parts;
   for (std::uint32_t i = 0; i < 4; ++i) {
     parts[i] = std::make_unique<Subtree>();
@@ -82,15 +108,15 @@ void split(Subtree& tree, const CellGrid& grid, std::uint32_t leaf_triangles) {
     parts[x + 2]->cut = std::move(rows.high);
   }
   for (const auto& object : tree.whole) {
-    const std::size_t x = object.center[0] >= middle[0] ? 1 : 0;
-    const std::size_t y = object.center[1] >= middle[1] ? 2 : 0;
+    const std::size_t x = object.center(0) >= middle[0] ? 1 : 0;
+    const std::size_t y = object.center(1) >= middle[1] ? 2 : 0;
     parts[x + y]->whole.push_back(object);
   }
   tree.whole = std::vector<WholeObject>();
   for (auto& part : parts)
     if (triangles_in(*part) > 0) tree.children.push_back(std::move(part));
   tbb::parallel_for(std::size_t{0}, tree.children.size(),
-                    [&](std::size_t i) { split(*tree.children[i], grid, leaf_triangles); });
+                    [&](std::size_t i) { split(*tree.children[i], grid, limits); });
 }
 
 void collect_splits(Subtree& tree, std::vector<EdgeSplit>& out) {
@@ -143,10 +169,7 @@ Subtree make_root(SnappedScene& scene, std::uint32_t leaf_triangles) {
       whole = !is_wide && !is_dense;
     }
     if (whole) {
-      root.whole.push_back(
-          {object.first_triangle,
-           object.triangle_count,
-           {(std::int64_t{box.min[0]} + box.max[0]) / 2, (std::int64_t{box.min[1]} + box.max[1]) / 2}});
+      root.whole.push_back({object.first_triangle, object.triangle_count, box});
       continue;
     }
     for (std::uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i) {
@@ -207,11 +230,17 @@ CellGrid make_cell_grid(const LatticeMesh& mesh, std::int32_t step_log2) {
   return grid;
 }
 
-ZoneTree cut_zones(SnappedScene& scene, std::uint32_t leaf_triangles) {
+std::uint32_t leaf_step_shift(double error_m, double step_m) {
+  std::uint32_t shift = 0;
+  while (std::ldexp(std::sqrt(0.75) * step_m, static_cast<int>(shift) + 1) <= error_m * 2 / 3) ++shift;
+  return shift;
+}
+
+ZoneTree cut_zones(SnappedScene& scene, std::uint32_t leaf_triangles, std::uint32_t leaf_shift) {
   ZoneTree out;
   out.grid = make_cell_grid(scene.mesh, scene.step_log2);
   Subtree root = make_root(scene, leaf_triangles);
-  split(root, out.grid, leaf_triangles);
+  split(root, out.grid, {leaf_triangles, leaf_shift});
   std::vector<EdgeSplit> splits;
   collect_splits(root, splits);
   std::sort(splits.begin(), splits.end());

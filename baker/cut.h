@@ -47,7 +47,11 @@ struct ZoneTree {
 
 CellGrid make_cell_grid(const LatticeMesh& mesh, std::int32_t step_log2);
 
-// Adds to scene.notes what it cut against its kind.
-ZoneTree cut_zones(SnappedScene& scene, std::uint32_t leaf_triangles);
+// The largest step shift of a leaf at which rounding to its step takes two thirds of `error_m` at most.
+std::uint32_t leaf_step_shift(double error_m, double step_m);
+
+// A zone of more triangles than `leaf_triangles`, or so wide that its step would be above `leaf_shift`, is split, as
+// far as that makes sense. Adds to scene.notes what it cut against its kind.
+ZoneTree cut_zones(SnappedScene& scene, std::uint32_t leaf_triangles, std::uint32_t leaf_shift = 30);
 
 }  // namespace zc

@@ -59,6 +59,7 @@ class Builder {
     ZoneState& state = states_[i];
     state.detail = round_detail(zone.detail);
     if (state.detail.mesh.faces.empty()) return;
+    if (state.detail.step_shift > 0) measure_detail(i);
     state.leaves = {static_cast<std::uint32_t>(i)};
     state.key = leaf_key(context_, zone);
     if (auto known = cache_.find(state.key); known && *known) {
@@ -67,6 +68,19 @@ class Builder {
     }
     state.proxy = simplify_leaf(context_, zone, state.detail, detail_surface(i));
     cache_.add(state.key, state.proxy);
+  }
+
+  // How far the rounding to its step moved a leaf's detail. Where a triangle was lost, what is left may be any distance
+  // from it.
+  void measure_detail(std::size_t i) {
+    Proxy& detail = states_[i].detail;
+    if (detail.mesh.faces.size() < tree_.zones[i].detail.faces.size()) {
+      const DetailSurface surface = detail_surface(i);
+      detail.error =
+          measure_proxy(detail.mesh, std::span(&surface, 1), context_.materials, context_.looks, context_.step_m);
+    } else {
+      detail.error.max_m = rounding_m(context_.step_m, detail.step_shift);
+    }
   }
 
   // One caller at a time for a leaf: inner zones of one depth have none in common.
@@ -114,9 +128,12 @@ class Builder {
 
   ProxyTree collect() {
     ProxyTree out;
-    for (std::size_t i = 0; i < tree_.zones.size(); ++i)
-      if (tree_.zones[i].children.empty() && states_[i].detail.step_shift > 0)
-        out.lost_triangles += tree_.zones[i].detail.faces.size() - states_[i].detail.mesh.faces.size();
+    for (std::size_t i = 0; i < tree_.zones.size(); ++i) {
+      const Proxy& detail = states_[i].detail;
+      if (!tree_.zones[i].children.empty() || detail.step_shift == 0) continue;
+      out.lost_triangles += tree_.zones[i].detail.faces.size() - detail.mesh.faces.size();
+      if (detail.error.max_m > context_.error_m) ++out.coarse_zones;
+    }
     std::vector<std::uint32_t> zone_of = {0};
     out.nodes.push_back(make_node(0, -1));
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {

@@ -83,6 +83,10 @@ void force_below(std::size_t target, LatticeMesh& mesh) {
 
 }  // namespace
 
+double rounding_m(double step_m, std::uint32_t step_shift) {
+  return step_shift == 0 ? 0 : std::ldexp(std::sqrt(0.75) * step_m, static_cast<int>(step_shift));
+}
+
 Proxy round_detail(const LatticeMesh& detail) {
   Proxy out;
   out.mesh = detail;
@@ -94,9 +98,7 @@ Proxy round_detail(const LatticeMesh& detail) {
 Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Proxy& rounded,
                     const DetailSurface& detail) {
   // What the rounding to the zone's step moved is not there to be moved again.
-  const double rounding =
-      rounded.step_shift > 0 ? std::ldexp(std::sqrt(0.75), static_cast<int>(rounded.step_shift)) : 0;
-  const double tolerance = context.error_m / context.step_m - rounding;
+  const double tolerance = (context.error_m - rounding_m(context.step_m, rounded.step_shift)) / context.step_m;
   Proxy out = rounded;
   if (tolerance >= kLeastTolerance) {
     LatticeMesh mesh;
@@ -115,8 +117,8 @@ Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Prox
     out.step_shift = step_shift_for_box(bounds_of(out.mesh));
     round_to_step(out.mesh, out.step_shift);
   }
-  out.error = measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.looks, context.step_m,
-                            context.error_m);
+  out.error =
+      measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.looks, context.step_m, context.error_m);
   return out;
 }
 

@@ -28,6 +28,9 @@ struct SimplifyContext {
   std::uint32_t leaf_triangles = 0;  // hard bound of the root, target elsewhere
 };
 
+// How far rounding to a step moves a point at most.
+double rounding_m(double step_m, std::uint32_t step_shift);
+
 // The detail itself on its own step; empty when no triangle survives the rounding.
 Proxy round_detail(const LatticeMesh& detail);
 

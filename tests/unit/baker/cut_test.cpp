@@ -138,14 +138,40 @@ TEST(Cut, EverythingInOnePlaceEndsInOneSmallCell) {
 
 TEST(Cut, WhatLiesOverEachOtherIsNotMultiplied) {
   SceneMaker maker;  // sheets as wide as the world, at other heights
-  for (int i = 0; i < 500; ++i)
-    maker.triangle({0, 0, i * 0.1}, {200, i * 0.1, i * 0.1}, {i * 0.1, 200, i * 0.1}, 0);
+  for (int i = 0; i < 500; ++i) maker.triangle({0, 0, i * 0.1}, {200, i * 0.1, i * 0.1}, {i * 0.1, 200, i * 0.1}, 0);
   maker.object(ObjectKind::kObject);
   SnappedScene scene = snapped(std::move(maker.scene));
   const ZoneTree tree = cut_zones(scene, 100);
   std::size_t faces = 0;
   for (const auto& zone : tree.zones) faces += zone.detail.faces.size();
   EXPECT_EQ(faces, scene.mesh.faces.size());
+}
+
+// Houses far from each other on two large triangles of ground: zones are split until their steps are fine, however few
+// triangles they hold.
+TEST(Cut, ZonesOfFewTrianglesAreSplitUntilTheirStepIsFine) {
+  SceneMaker maker;
+  maker.triangle({0, 0, 0}, {9000, 0, 5}, {9000, 9000, 0}, 0);
+  maker.triangle({0, 0, 0}, {9000, 9000, 0}, {0, 9000, 5}, 0);
+  maker.object(ObjectKind::kGround);
+  for (int i = 0; i < 30; ++i) {
+    const double x = 100.0 + 290 * i;
+    maker.triangle({x, x, 0}, {x + 10, x, 0}, {x, x, 10}, 1);
+    maker.object(ObjectKind::kObject);
+  }
+  SnappedScene scene = snapped(std::move(maker.scene));
+  SnappedScene again = scene;
+  EXPECT_EQ(leaf_step_shift(0.1, 1.0 / 256), 4U);
+  EXPECT_EQ(leaf_step_shift(0.001, 1.0 / 256), 0U);
+  EXPECT_EQ(cut_zones(again, 4000).zones.size(), 1U);
+  const ZoneTree tree = cut_zones(scene, 4000, 3);
+  std::size_t houses = 0;
+  for (const Zone& zone : tree.zones) {
+    if (!zone.children.empty()) continue;
+    EXPECT_LE(step_shift_for_box(bounds_of(zone.detail)), 3U);
+    for (const LatticeFace& face : zone.detail.faces) houses += face.ground ? 0 : 1;
+  }
+  EXPECT_EQ(houses, 30U);
 }
 
 }  // namespace
