@@ -9,6 +9,8 @@
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
 #include <numeric>
+#include <tuple>
+#include <utility>
 
 #include "baker/light/quiet_light.h"
 
@@ -27,9 +29,11 @@ constexpr float kBounceSpacingM = 1.5F;
 constexpr int kBounceMaxRows = 2;
 // A surface this close to a proxy is what it stands for, whichever way it faces.
 constexpr float kSameSurfaceM = 0.1F;
-// For the sun, a triangle is looked at so densely.
-constexpr float kSunSpacingM = 1;
-constexpr int kSunMaxRows = 16;
+// For the sun, a triangle is looked at so densely, of a coarse proxy half as densely as it is exact: no shadow that is
+// wider than this everywhere is overlooked. Where that takes more points than two to the power of kSunMaxHalvings,
+// nothing is said.
+constexpr float kSunSpacingM = 0.4F;
+constexpr int kSunMaxHalvings = 14;
 
 // Cosine-weighted over the upper half of z: Hammersley points, Malley's method.
 const std::array<glm::vec3, kRays>& hemisphere() {
@@ -274,26 +278,17 @@ class ZoneLight {
                      glm::distance(points_[v[2]], points_[v[0]])});
   }
 
-  // Calls visit(point) for points spread evenly over a triangle, `rows` along an edge, until it returns false.
-  template <class Visit>
-  void for_points(std::size_t t, int rows, const Visit& visit) const {
-    for (int i = 0; i < rows; ++i)
-      for (int j = 0; i + j < rows; ++j) {
-        const float a = (static_cast<float>(i) + 1.0F / 3) / static_cast<float>(rows);
-        const float b = (static_cast<float>(j) + 1.0F / 3) / static_cast<float>(rows);
-        if (!visit(at(t, {a, b, 1 - a - b}))) return;
-      }
-  }
-
   [[nodiscard]] Received look_over(std::size_t t) const {
     const int rows = std::min(static_cast<int>(longest_edge(t) / kBounceSpacingM), kBounceMaxRows);
     if (rows == 0) return mean_of(t);
     Received mean;
     const float share = 2.0F / static_cast<float>(rows * (rows + 1));
-    for_points(t, rows, [&](const glm::vec3& p) {
-      mean.add(receive(p, normals_[t]), share);
-      return true;
-    });
+    for (int i = 0; i < rows; ++i)
+      for (int j = 0; i + j < rows; ++j) {
+        const float a = (static_cast<float>(i) + 1.0F / 3) / static_cast<float>(rows);
+        const float b = (static_cast<float>(j) + 1.0F / 3) / static_cast<float>(rows);
+        mean.add(receive(at(t, {a, b, 1 - a - b}), normals_[t]), share);
+      }
     return mean;
   }
 
@@ -321,18 +316,45 @@ class ZoneLight {
     return light;
   }
 
+  struct SunSeen {
+    bool lit = false;
+    bool shadow = false;
+    bool unseen = false;
+
+    [[nodiscard]] bool decided() const { return unseen || (lit && shadow); }
+  };
+
+  // Halves a triangle at its longest edge until that is shorter than the spacing, and looks from the middle of each
+  // part; from the middles of the larger ones as well, for most that are partly lit show it there.
+  void look_at_sun(const std::array<glm::vec3, 3>& p, const glm::vec3& normal, int halvings, SunSeen& seen) const {
+    (scene_.blocked(start((p[0] + p[1] + p[2]) / 3.0F, normal), *sun_, kSunDistanceM) ? seen.shadow : seen.lit) = true;
+    std::size_t longest = 0;  // the edge opposite to this corner
+    float length = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float edge = glm::distance(p[(k + 1) % 3], p[(k + 2) % 3]);
+      if (edge > length) std::tie(length, longest) = std::pair(edge, k);
+    }
+    if (length <= std::max(kSunSpacingM, 2 * reach_m_) || seen.decided()) return;
+    if (halvings == kSunMaxHalvings) {
+      seen.unseen = true;
+      return;
+    }
+    const glm::vec3 middle = (p[(longest + 1) % 3] + p[(longest + 2) % 3]) * 0.5F;
+    for (std::size_t k = 1; k < 3 && !seen.decided(); ++k) {
+      std::array<glm::vec3, 3> half = p;
+      half[(longest + k) % 3] = middle;
+      look_at_sun(half, normal, halvings + 1, seen);
+    }
+  }
+
   [[nodiscard]] std::uint32_t sun_state(std::size_t t) const {
     const float cosine = glm::dot(normals_[t], *sun_);
     const glm::vec3 normal = cosine < 0 ? -normals_[t] : normals_[t];
-    const int rows = std::clamp(static_cast<int>(std::ceil(longest_edge(t) / kSunSpacingM)), 2, kSunMaxRows);
-    bool lit = false;
-    bool shadow = false;
-    for_points(t, rows, [&](const glm::vec3& p) {
-      (scene_.blocked(start(p, normal), *sun_, kSunDistanceM) ? shadow : lit) = true;
-      return !(lit && shadow);
-    });
-    if (lit && shadow) return gpu::kSunUnknown;
-    return lit ? gpu::kSunLit : gpu::kSunShadow;
+    const auto& v = mesh_.triangles[t];
+    SunSeen seen;
+    look_at_sun({points_[v[0]], points_[v[1]], points_[v[2]]}, normal, 0, seen);
+    if (seen.decided()) return gpu::kSunUnknown;
+    return seen.lit ? gpu::kSunLit : gpu::kSunShadow;
   }
 
   const ZoneMesh& mesh_;

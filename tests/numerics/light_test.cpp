@@ -200,6 +200,22 @@ TEST(Light, TheSunIsSettledWhereATriangleIsWhollyLitOrShaded) {
   EXPECT_EQ(state_at(15, 27), gpu::kSunLit);
 }
 
+// A pole's shadow on a large square: neither of its triangles is all in the sun, wherever the pole stands.
+TEST(Light, ANarrowShadowOnALargeTriangleIsNotOverlooked) {
+  const SunAngles sun{200, 45};
+  Yard open;
+  open.quad({0, 0, 0}, {24, 0, 0}, {24, 24, 0}, {0, 24, 0}, 0);
+  for (const gpu::TriangleLight& t : open.light(sun)) EXPECT_EQ(sun_state(t), gpu::kSunLit);
+  for (const glm::dvec2 at : {glm::dvec2(12, 4), {11.3, 8.7}, {14.1, 10.9}, {4.6, 7.2}, {20.2, 3.9}}) {
+    Yard yard;
+    yard.quad({0, 0, 0}, {24, 0, 0}, {24, 24, 0}, {0, 24, 0}, 0);
+    yard.box({at.x, at.y, 0}, {at.x + 0.6, at.y + 0.6, 5}, 2);
+    const auto light = yard.light(sun);
+    EXPECT_TRUE(sun_state(light[0]) == gpu::kSunUnknown || sun_state(light[1]) == gpu::kSunUnknown)
+        << at.x << ", " << at.y;
+  }
+}
+
 TEST(Light, AProxyWithinTheBodyHasTheLightOfTheSurface) {
   Yard yard;
   yard.quad({0, 0, 0}, {60, 0, 0}, {60, 60, 0}, {0, 60, 0}, 0);
