@@ -238,7 +238,8 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
 
   progress.begin("simplify", 0.05, 0.85, tree.zones.size());
   const std::vector<std::uint16_t> looks = look_classes(materials);
-  const SimplifyContext context = {nullptr, materials, looks, step_m, options.error_m, options.leaf_triangles};
+  const SimplifyContext context = {
+      nullptr, materials, looks, step_m, options.error_m, options.leaf_triangles, options.atlas_size > 0};
   BakeCache cache;
   if (options.reuse) cache.read(writer.out() / kBakeCacheName);
   ProxyCache proxy_cache(cache, materials.size());

@@ -28,7 +28,7 @@ inline constexpr const char* kBakeReportName = "bake.json";
 
 struct BakeOptions {
   unsigned threads = 0;                 // 0: all
-  std::uint32_t leaf_triangles = 4000;  // a zone with more is split; the root has at most so many
+  std::uint32_t leaf_triangles = 4000;  // of a zone's proxy, and of the root's at most; a zone of more detail is split
   BvhBuildOptions bvh;
   double error_m = 0.10;           // bound of leaf proxies
   std::uint32_t atlas_size = 512;  // of a leaf, texels, a power of two to 1024; halved level by level; 0: none

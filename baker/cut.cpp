@@ -16,8 +16,6 @@ namespace {
 
 constexpr std::int64_t kMinCellM = 16;
 constexpr std::int64_t kWholeObjectMaxM = 128;
-// Objects with more than this many zones' worth of triangles are cut: a zone must stay small against the memory cap.
-constexpr std::uint64_t kWholeObjectMaxZones = 4;
 
 // Pieces, for each that there is now, that a cut may make at most: where more triangles lie over each other than beside
 // each other, smaller cells hold hardly fewer.
@@ -163,7 +161,7 @@ Subtree make_root(SnappedScene& scene, std::uint32_t leaf_triangles) {
       bool is_wide = false;
       for (std::size_t axis = 0; axis < 3; ++axis)
         is_wide = is_wide || std::int64_t{box.max[axis]} - box.min[axis] > whole_max;
-      const bool is_dense = object.triangle_count > kWholeObjectMaxZones * leaf_triangles;
+      const bool is_dense = object.triangle_count > kDetailMostZones * leaf_triangles;
       if (is_wide) ++wide;
       if (is_dense && !is_wide) ++dense;
       whole = !is_wide && !is_dense;
@@ -206,12 +204,7 @@ bool CellGrid::can_split(std::uint32_t depth) const { return root_log2 - depth >
 bool CellGrid::on_cell_border(const Zone& zone, const LatticePoint& p) const {
   const std::int64_t size = cell_size(zone.depth);
   const std::int64_t end = std::int64_t{1} << root_log2;
-  const std::array<std::int64_t, 2> low = {zone.cell_x * size, zone.cell_y * size};
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    if (p[axis] == low[axis] && p[axis] != 0) return true;
-    if (p[axis] == low[axis] + size && p[axis] != end) return true;
-  }
-  return false;
+  return std::ranges::any_of(std::array{p[0], p[1]}, [&](std::int64_t c) { return c > 0 && c < end && c % size == 0; });
 }
 
 CellGrid make_cell_grid(const LatticeMesh& mesh, std::int32_t step_log2) {

@@ -36,7 +36,7 @@ struct CellGrid {
   [[nodiscard]] std::uint32_t border_shift(std::int32_t coordinate) const;
   [[nodiscard]] bool may_be_border(std::int32_t coordinate) const;
   [[nodiscard]] bool can_split(std::uint32_t depth) const;
-  // Whether p lies on a side of the cell that another zone may touch.
+  // Whether p lies on a plane between cells of the zone's size: a zone may be several of them.
   [[nodiscard]] bool on_cell_border(const Zone& zone, const LatticePoint& p) const;
 };
 
@@ -44,6 +44,9 @@ struct ZoneTree {
   CellGrid grid;
   std::vector<Zone> zones;  // breadth first; siblings contiguous; zone 0 is the root
 };
+
+// What stays together has at most so many zones' worth of triangles: a zone must stay small against the memory cap.
+inline constexpr std::uint64_t kDetailMostZones = 4;
 
 CellGrid make_cell_grid(const LatticeMesh& mesh, std::int32_t step_log2);
 

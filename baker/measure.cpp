@@ -31,12 +31,6 @@ struct Sample {
 
 glm::dvec3 to_dvec(const LatticePoint& p) { return {p[0], p[1], p[2]}; }
 
-double area_of(const LatticeMesh& mesh) {
-  double area = 0;
-  for (const auto& face : mesh.faces) area += face_area(mesh, face);
-  return area;
-}
-
 std::size_t sample_count(std::size_t faces) {
   return std::clamp(kSamplesPerTriangle * faces, kSamplesMin, kSamplesMax);
 }
@@ -151,6 +145,28 @@ void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> 
 }
 
 }  // namespace
+
+double area_of(const LatticeMesh& mesh) {
+  double area = 0;
+  for (const auto& face : mesh.faces) area += face_area(mesh, face);
+  return area;
+}
+
+void ErrorSum::add(const SurfaceError& error, double area) {
+  sum_.max_m = std::max(sum_.max_m, error.max_m);
+  sum_.normal_deviation_deg = std::max(sum_.normal_deviation_deg, error.normal_deviation_deg);
+  sum_.appearance_m = std::max(sum_.appearance_m, error.appearance_m);
+  sum_.mean_m += error.mean_m * area;
+  sum_.color_error += error.color_error * area;
+  area_ += area;
+}
+
+SurfaceError ErrorSum::joint() const {
+  SurfaceError error = sum_;
+  error.mean_m /= area_;
+  error.color_error /= area_;
+  return error;
+}
 
 std::vector<std::uint16_t> look_classes(std::span<const Material> materials) {
   constexpr float kColorApart = 0.08F;

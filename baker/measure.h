@@ -25,6 +25,19 @@ struct SurfaceError {
   double appearance_m = 0;
 };
 
+// Of several surfaces together: means are weighted by their areas.
+class ErrorSum {
+ public:
+  void add(const SurfaceError& error, double area);
+  [[nodiscard]] SurfaceError joint() const;
+
+ private:
+  SurfaceError sum_;  // means: times the area
+  double area_ = 0;
+};
+
+double area_of(const LatticeMesh& mesh);  // square steps
+
 struct DetailSurface {
   const LatticeMesh* mesh = nullptr;
   const DistanceBvh* bvh = nullptr;

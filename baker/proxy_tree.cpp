@@ -19,6 +19,32 @@ struct ZoneState {
   std::vector<std::uint32_t> leaves;  // stored leaves in this zone
 };
 
+// Leaf zones of one parent, which may become one.
+struct Group {
+  std::vector<std::uint32_t> zones;
+  LatticeBox box;  // of the detail
+  std::size_t detail_faces = 0;
+  std::size_t proxy_faces = 0;
+  bool textured = false;
+
+  // One atlas serves one of them, and no detail is rounded to a longer step than now.
+  [[nodiscard]] bool may_take(const Group& o, std::size_t leaf_triangles) const {
+    LatticeBox joint = box;
+    joint.add(o.box);
+    const std::uint32_t shift = step_shift_for_box(joint);
+    return proxy_faces + o.proxy_faces <= leaf_triangles &&
+           detail_faces + o.detail_faces <= kDetailMostZones * leaf_triangles && !(textured && o.textured) &&
+           step_shift_for_box(box) == shift && step_shift_for_box(o.box) == shift;
+  }
+  void take(const Group& o) {
+    zones.insert(zones.end(), o.zones.begin(), o.zones.end());
+    box.add(o.box);
+    detail_faces += o.detail_faces;
+    proxy_faces += o.proxy_faces;
+    textured = textured || o.textured;
+  }
+};
+
 class Builder {
  public:
   Builder(ZoneTree&& tree, const SimplifyContext& context, ProxyCache& cache, const std::function<void()>& done)
@@ -28,10 +54,14 @@ class Builder {
     std::uint32_t deepest = 0;
     for (const Zone& zone : tree_.zones) deepest = std::max(deepest, zone.depth);
     // Leaves are independent; inner zones wait for those below.
-    for_zones([](const Zone& zone) { return zone.children.empty(); }, [this](std::size_t i) { build_leaf(i); });
+    for_zones([this](std::size_t i) { return tree_.zones[i].children.empty(); },
+              [this](std::size_t i) { build_leaf(i); });
+    merge_leaves();
     for (std::uint32_t depth = deepest; depth-- > 0;) {
-      for_zones([depth](const Zone& zone) { return zone.depth == depth && !zone.children.empty(); },
-                [this](std::size_t i) { build_inner(i); });
+      const auto is_inner = [&](std::size_t i) {
+        return tree_.zones[i].depth == depth && !tree_.zones[i].children.empty();
+      };
+      for_zones(is_inner, [this](std::size_t i) { build_inner(i); });
     }
     if (!states_[0].proxy) return Error{ErrorCode::kFormat, "no triangle survives the rounding to its zone's step"};
     return collect();
@@ -42,7 +72,7 @@ class Builder {
   void for_zones(Select select, Build build) {
     std::vector<std::size_t> chosen;
     for (std::size_t i = 0; i < tree_.zones.size(); ++i)
-      if (select(tree_.zones[i])) chosen.push_back(i);
+      if (select(i)) chosen.push_back(i);
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, chosen.size(), 1),
         [&](const auto& range) {
@@ -81,6 +111,77 @@ class Builder {
     } else {
       detail.error.max_m = rounding_m(context_.step_m, detail.step_shift);
     }
+  }
+
+  static std::uint32_t index(std::size_t i) { return static_cast<std::uint32_t>(i); }
+
+  Group group_of(std::uint32_t leaf) const {
+    const LatticeMesh& detail = tree_.zones[leaf].detail;
+    const bool textured = context_.atlases && std::ranges::any_of(detail.faces, [&](const LatticeFace& face) {
+                            return context_.materials[face.material].texture.has_value();
+                          });
+    return {{leaf}, bounds_of(detail), detail.faces.size(), states_[leaf].proxy->mesh.faces.size(), textured};
+  }
+
+  // The cut goes by the detail's triangles, of which a proxy may need few: neighbours become one zone, in the place of
+  // their parent when nothing else is below it, while their proxies together are within the size of one. The root
+  // stays apart: it is always resident.
+  void merge_leaves() {
+    std::vector<std::optional<Group>> groups(tree_.zones.size());
+    for (std::size_t i = tree_.zones.size(); i-- > 0;) {  // children lie behind their parents
+      Zone& zone = tree_.zones[i];
+      if (zone.children.empty()) {
+        if (states_[i].proxy) groups[i] = group_of(index(i));
+        continue;
+      }
+      std::vector<std::uint32_t> kept;
+      for (const std::uint32_t child : zone.children) {
+        const auto host = std::ranges::find_if(kept, [&](std::uint32_t other) {
+          return groups[child] && groups[other] && groups[other]->may_take(*groups[child], context_.leaf_triangles);
+        });
+        if (host == kept.end()) {
+          kept.push_back(child);
+        } else {
+          groups[*host]->take(*groups[child]);
+          groups[child].reset();
+        }
+      }
+      zone.children = std::move(kept);
+      if (zone.parent < 0 || zone.children.size() > 1 || !groups[zone.children[0]]) continue;
+      groups[i].swap(groups[zone.children[0]]);
+      zone.children.clear();
+    }
+    const auto is_joint = [&](std::size_t i) { return groups[i] && groups[i]->zones != std::vector{index(i)}; };
+    for_zones(is_joint, [&](std::size_t i) { join(groups[i]->zones, index(i)); });
+  }
+
+  // The proxies of the parts, side by side.
+  void join(std::span<const std::uint32_t> parts, std::uint32_t into) {
+    LatticeMesh joint;
+    Proxy proxy;
+    ErrorSum error, detail_error;
+    for (const std::uint32_t part : parts) {
+      LatticeMesh& detail = tree_.zones[part].detail;
+      const Proxy& own = *states_[part].proxy;
+      append(joint, detail);
+      append(proxy.mesh, own.mesh);
+      proxy.step_shift = own.step_shift;
+      error.add(own.error, area_of(detail));
+      detail_error.add(states_[part].detail.error, area_of(detail));
+      detail = {};
+      states_[part] = {};
+    }
+    clean(joint);
+    clean(proxy.mesh);
+    proxy.error = error.joint();
+    Zone& zone = tree_.zones[into];
+    zone.detail = std::move(joint);
+    ZoneState& state = states_[into];
+    state.detail = round_detail(zone.detail);
+    state.detail.error = detail_error.joint();
+    state.leaves = {into};
+    state.key = leaf_key(context_, zone);
+    state.proxy = std::move(proxy);
   }
 
   // One caller at a time for a leaf: inner zones of one depth have none in common.

@@ -26,6 +26,7 @@ struct SimplifyContext {
   double step_m = 0;
   double error_m = 0;                // bound of leaf proxies
   std::uint32_t leaf_triangles = 0;  // hard bound of the root, target elsewhere
+  bool atlases = false;              // textured zones have one
 };
 
 // How far rounding to a step moves a point at most.
