@@ -115,7 +115,7 @@ Status encode_node(const ProxyNode& source, std::span<const Material> materials,
   node.triangle_count = zone.triangle_count;
   node.vertex_count = zone.vertex_count;
   node.primitive_count = zone.primitive_count;
-  node.scratch_bytes = decode_scratch_bytes(zone.glb, node);  // build_node_bvh adds its part
+  node.scratch_bytes = decode_scratch_bytes(zone.glb, node);  // build_node_bvh knows the rest
   node.glb_bytes = zone.glb.size();
   disk.triangles = zone.triangle_count;
   disk.mesh = zone.draco_bytes;
@@ -135,7 +135,7 @@ Status build_node_bvh(const ZoneMesh& mesh, ZoneAppearance appearance, const Bvh
   const auto [bytes, parts] = encode_bvh_file(page.bvh, mesh, node);
   disk.bvh = parts;
   node.bvh_bytes = bytes.size();
-  node.scratch_bytes += bvh_scratch_bytes(node);
+  node.scratch_bytes = std::max(node.scratch_bytes, page_scratch_bytes(node, mesh.vertices.size()));
   node.bvh_xxh3 = XXH3_64bits(bytes.data(), bytes.size());
   // Read as the streamer reads it.
   ZoneMesh read = {mesh.vertices, mesh.triangles, {}};

@@ -10,8 +10,10 @@
 #include <cstring>
 #include <exception>
 #include <optional>
+#include <span>
 
-#include "streamer/world_format/draco_tables.h"
+#include "streamer/world_format/draco_layout.h"
+#include "streamer/world_format/draco_mesh.h"
 
 namespace zc {
 namespace {
@@ -21,8 +23,8 @@ struct Way {
   int speed;  // of 0 (smallest) to 10
   bool predict_colors;
 };
-// The smallest is kept. Below speed 5 the connectivity may be of symbols without a length, and so may predicted
-// colours. Below 3 little is saved, at the price of decoders with tables of several times the size.
+// The smallest is kept that the streamer reads. Below speed 5 predicted colours may be of symbols without a length.
+// Below 3 little is saved.
 constexpr std::array<Way, 4> kWays = {{{draco::MESH_EDGEBREAKER_ENCODING, 3, true},
                                        {draco::MESH_EDGEBREAKER_ENCODING, 3, false},
                                        {draco::MESH_EDGEBREAKER_ENCODING, 5, true},
@@ -92,7 +94,7 @@ void to_draco(const QuantizedTriangles& mesh, draco::Mesh& out) {
   out.DeduplicatePointIds();
 }
 
-// Empty when there is no such stream that the streamer reads.
+// Empty when there is no such stream.
 std::vector<std::byte> try_encode(const draco::Mesh& mesh, const Way& way) {
   draco::ExpertEncoder encoder(mesh);
   encoder.SetSpeedOptions(way.speed, way.speed);
@@ -109,11 +111,31 @@ std::vector<std::byte> try_encode(const draco::Mesh& mesh, const Way& way) {
   if (!encoder.EncodeToBuffer(&buffer).ok()) return {};
   std::vector<std::byte> bytes(buffer.size());
   std::memcpy(bytes.data(), buffer.data(), buffer.size());
-  if (!draco_table_bytes(bytes)) return {};
   return bytes;
 }
 
-// Nothing when the stream does not give `expected` back.
+// Whether the streamer's decoder gives what draco gives.
+bool reads_alike(std::span<const std::byte> bytes, const draco::Mesh& mesh, const draco::PointAttribute& position) {
+  DracoLayout layout;
+  if (read_draco_layout(bytes, position.unique_id(), layout) != nullptr || layout.values != position.size() ||
+      layout.faces != mesh.num_faces())
+    return false;
+  std::vector<Corner> vertices(layout.values);
+  std::vector<std::array<std::uint32_t, 3>> triangles(layout.faces);
+  std::vector<std::uint32_t> words(layout.scratch_words());
+  if (!decode_draco(layout, vertices, triangles, words)) return false;
+  for (draco::AttributeValueIndex v(0); v < layout.values; ++v) {
+    Corner vertex{};
+    position.GetValue(v, vertex.data());
+    if (vertex != vertices[v.value()]) return false;
+  }
+  for (draco::FaceIndex f(0); f < layout.faces; ++f)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (position.mapped_index(mesh.face(f)[k]).value() != triangles[f.value()][k]) return false;
+  return true;
+}
+
+// Nothing when the stream does not give `expected` back, to draco and to the streamer.
 std::optional<DracoStream> read_back(const std::vector<std::byte>& bytes, const std::vector<Face>& expected) {
   draco::DecoderBuffer input;
   input.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -125,6 +147,7 @@ std::optional<DracoStream> read_back(const std::vector<std::byte>& bytes, const 
   if (position == nullptr || position->data_type() != draco::DT_UINT16) return std::nullopt;
   const draco::PointAttribute* color = back.GetNamedAttribute(draco::GeometryAttribute::COLOR);
   if (color != nullptr && color->data_type() != draco::DT_UINT8) return std::nullopt;
+  if (!reads_alike(bytes, back, *position)) return std::nullopt;
 
   DracoStream out;
   out.bytes = bytes;

@@ -31,7 +31,7 @@ struct DracoStream {
 };
 
 // Falls back to sequential connectivity where edgebreaker does not give the same triangles back, or not in a stream
-// that draco_table_bytes can follow; not with colours. Fails when nothing does.
+// that the streamer reads; not with colours. Fails when nothing does.
 Result<DracoStream> encode_draco(const QuantizedTriangles& mesh);
 
 }  // namespace zc

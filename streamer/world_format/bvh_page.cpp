@@ -12,6 +12,7 @@
 #include "streamer/world_format/look_code.h"
 #include "streamer/world_format/page_view.h"
 #include "streamer/world_format/range_coder.h"
+#include "streamer/world_format/scratch_memory.h"
 #include "streamer/world_format/tree_code.h"
 
 namespace zc {
@@ -97,6 +98,53 @@ const char* check_header(const BvhFileHeader& header, const NodeRecord& node) {
 }
 
 }  // namespace
+
+// One stage after the other; each has the mesh, and from the boxes on the tree.
+std::uint32_t page_scratch_bytes(const NodeRecord& node, std::uint64_t vertex_count) {
+  const std::uint64_t triangles = node.triangle_count;
+  const std::uint64_t references = node.reference_count;
+  const std::uint64_t nodes = node.bvh_node_count;
+  const std::uint64_t clusters = std::min(nodes, references);
+  const auto grown = [](std::uint64_t count) { return 3 * count; };  // by doubling: the old and the new array
+  const std::uint64_t mesh = array_scratch<std::array<std::uint32_t, 3>>(triangles) +
+                             array_scratch<std::array<std::uint16_t, 3>>(vertex_count);
+  const std::uint64_t tree = array_scratch<gpu::PageNode>(nodes) + array_scratch<std::uint32_t>(references);
+
+  const std::uint64_t waiting = std::min(nodes, std::uint64_t{gpu::kNodeWidth} * node.bvh_depth);
+  const std::uint64_t tree_stage =
+      mesh + tree + sizeof(TreeCode<Decoder>) + array_scratch<std::uint32_t>(grown(clusters)) +
+      array_scratch<std::uint32_t>(references) + array_scratch<std::uint32_t>(triangles) +
+      array_scratch<std::uint8_t>(triangles) + array_scratch<std::array<std::uint32_t, 4>>(grown(waiting));
+
+  const std::uint64_t repeated = references - std::min(references, triangles);
+  const std::uint64_t cut_leaves = repeated == 0 ? 0 : std::min(references, gpu::kNodeWidth * nodes);
+  const std::uint64_t bits = array_scratch<std::uint64_t>(triangles / 64 + 1);
+  const std::uint64_t held =
+      mesh + tree + array_scratch<std::uint32_t>(2 * clusters) + array_scratch<LeafTrim>(cut_leaves);
+  const std::uint64_t box_stage = held + array_scratch<std::uint8_t>(nodes) + 2 * bits + array_scratch<NodeBox>(nodes);
+
+  std::uint64_t looks = array_scratch<std::uint16_t>(triangles);
+  if (node.look_bytes > 0)
+    looks += array_scratch<std::uint16_t>(triangles) + array_scratch<std::uint8_t>(node.look_bytes);
+  if (node.light_bytes > 0) looks += array_scratch<gpu::TriangleLight>(triangles);
+  const std::uint64_t curved = std::min<std::uint64_t>(triangles, node.normal_bytes / sizeof(gpu::TriangleNormals));
+  if (curved > 0) looks += array_scratch<std::uint32_t>(curved) + array_scratch<gpu::TriangleNormals>(curved);
+  std::uint64_t at_vertices = 0;
+  if (node.light_bytes > 0) at_vertices = LightOrder::scratch_bytes(triangles, vertex_count);
+  if (curved > 0) at_vertices = std::max(at_vertices, array_scratch<std::array<std::uint16_t, 2>>(vertex_count));
+  const std::uint64_t look_stage = held + sizeof(LookCode<Decoder>) + looks + at_vertices;
+
+  const std::uint64_t palette = node.look_bytes > 0 ? node.look_bytes / sizeof(gpu::Look) : references + clusters;
+  const std::uint64_t checks =
+      std::max(array_scratch<std::uint8_t>(nodes) + array_scratch<std::uint64_t>(references / 64 + 1),
+               bits + array_scratch<PieceOfTriangle>(repeated));
+  const std::uint64_t page_stage = held + looks + array_scratch<std::uint8_t>(node.texture_bytes) +
+                                   2 * array_scratch<std::uint32_t>(clusters) +
+                                   std::max(array_scratch<std::uint16_t>(grown(palette)), checks);
+
+  constexpr std::uint64_t kFixed = 8 << 10U;  // one cluster, one palette, names
+  return clamp_bytes(std::max({tree_stage, box_stage, look_stage, page_stage}) + kFixed);
+}
 
 EncodedBvh encode_bvh_file(const BvhFile& bvh, const ZoneMesh& mesh, const NodeRecord& node) {
   ZC_CHECK(bvh.nodes.size() == node.bvh_node_count && bvh.order.size() == node.reference_count &&

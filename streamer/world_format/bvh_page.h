@@ -107,15 +107,14 @@ Result<ZoneMesh> decode_zone_glb(std::span<const std::byte> bytes, const NodeRec
 Result<std::vector<std::uint32_t>> assemble_page(const ZoneMesh& mesh, const BvhFile& bvh, const NodeRecord& node,
                                                  std::uint32_t material_count, const std::string& path);
 
-// Memory that decoding takes (decode_zone_glb, decode_bvh_file and assemble_page, without the compressed bytes and the
-// page itself). A test measures it. The first reads it from the file and is what NodeRecord::scratch_bytes holds:
-// decoding refuses a file that asks for more; the second holds for any file of this size, for records with
-// scratch_bytes 0.
+// Memory that decoding takes at a time (decode_zone_glb, decode_bvh_file and assemble_page, without the compressed
+// bytes and the page itself). A test measures it. The first reads it from the file and is what
+// NodeRecord::scratch_bytes holds: decoding refuses a file that asks for more; the second holds for any file of this
+// size, for records with scratch_bytes 0. In both is the third, of all that follows decode_zone_glb, with the mesh;
+// until a bake knows the record's counts of the BVH it is too little.
 std::uint32_t decode_scratch_bytes(std::span<const std::byte> glb, const NodeRecord& node);
 std::uint32_t decode_scratch_bound(const NodeRecord& node, std::uint64_t glb_bytes);
-
-// The part of both that goes by bvh_bytes and reference_count; 0 while a bake does not know them.
-std::uint32_t bvh_scratch_bytes(const NodeRecord& node);
+std::uint32_t page_scratch_bytes(const NodeRecord& node, std::uint64_t vertex_count);
 
 // The check alone, for pages from anywhere, in one linear pass: every reference in range, every node and triangle
 // position reached once, depth, every box contains its children and triangles, materials in range. After it, a

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "shaders/shared/page_node.h"
 #include "streamer/world_format/bvh_page.h"
 
 namespace zc {
@@ -19,6 +20,12 @@ namespace zc {
 struct LeafBox {
   std::array<std::uint16_t, 3> min = {0xFFFF, 0xFFFF, 0xFFFF};
   std::array<std::uint16_t, 3> max = {0, 0, 0};
+};
+
+// A triangle that is in several leaves, and the box of its pieces there.
+struct PieceOfTriangle {
+  std::uint32_t triangle = 0;
+  NodeBox box;
 };
 
 // A mask of slots for each node: the leaves that hold a triangle which is in others as well.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "streamer/world_format/bvh_page.h"
+#include "streamer/world_format/scratch_memory.h"
 
 namespace zc {
 
@@ -18,8 +19,16 @@ class LightOrder {
  public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 
-  explicit LightOrder(const ZoneMesh& mesh) : mesh_(mesh), met_(kFacings * mesh.vertices.size(), kNone) {
+  explicit LightOrder(const ZoneMesh& mesh) : mesh_(mesh) {
+    if (is_narrow(mesh.triangles.size()))
+      narrow_.resize(kFacings * mesh.vertices.size());
+    else
+      wide_.resize(kFacings * mesh.vertices.size());
     last_.fill(kNone);
+  }
+  static std::uint64_t scratch_bytes(std::uint64_t triangles, std::uint64_t vertices) {
+    return is_narrow(triangles) ? array_scratch<std::uint16_t>(kFacings * vertices)
+                                : array_scratch<std::uint32_t>(kFacings * vertices);
   }
 
   // Before `add(triangle)`.
@@ -32,7 +41,7 @@ class LightOrder {
   [[nodiscard]] Place place(std::uint32_t triangle) const {
     Place at{facing_of(triangle), kNone, false, {}};
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t other = at.met[k] = met_[kFacings * mesh_.triangles[triangle][k] + at.facing];
+      const std::uint32_t other = at.met[k] = met(kFacings * mesh_.triangles[triangle][k] + at.facing);
       if (other != kNone) at.neighbour = at.is_near ? std::max(at.neighbour, other) : other;
       at.is_near = at.is_near || other != kNone;
     }
@@ -40,7 +49,12 @@ class LightOrder {
     return at;
   }
   void add(std::uint32_t triangle, std::uint32_t facing) {
-    for (const std::uint32_t v : mesh_.triangles[triangle]) met_[kFacings * v + facing] = triangle;
+    for (const std::uint32_t v : mesh_.triangles[triangle]) {
+      if (wide_.empty())
+        narrow_[kFacings * v + facing] = static_cast<std::uint16_t>(triangle + 1);
+      else
+        wide_[kFacings * v + facing] = triangle + 1;
+    }
     last_[facing] = triangle;
   }
 
@@ -54,6 +68,9 @@ class LightOrder {
 
  private:
   static constexpr std::uint32_t kFacings = 6;
+
+  static bool is_narrow(std::uint64_t triangles) { return triangles < 1U << 16U; }
+  [[nodiscard]] std::uint32_t met(std::size_t at) const { return (wide_.empty() ? narrow_[at] : wide_[at]) - 1; }
 
   // The axis that its normal is nearest to, and the sign.
   [[nodiscard]] std::uint32_t facing_of(std::uint32_t triangle) const {
@@ -76,7 +93,9 @@ class LightOrder {
   }
 
   const ZoneMesh& mesh_;
-  std::vector<std::uint32_t> met_;  // by vertex and facing
+  // By vertex and facing: the last triangle plus one. Zones rarely have more than 16 bits of them.
+  std::vector<std::uint16_t> narrow_;
+  std::vector<std::uint32_t> wide_;
   std::array<std::uint32_t, kFacings> last_;
 };
 

@@ -6,6 +6,7 @@
 #include "shaders/shared/page_node.h"
 #include "streamer/world_format/bvh_page.h"
 #include "streamer/world_format/cluster_tables.h"
+#include "streamer/world_format/leaf_boxes.h"
 #include "streamer/world_format/page_view.h"
 
 namespace zc {
@@ -245,34 +246,64 @@ class PageAssembly {
   std::vector<std::uint16_t> flat_;
 };
 
+NodeBox box_of_slot(const gpu::PageNode& node, std::uint32_t slot) {
+  const WideNodeBox wide = child_box(node, slot);
+  NodeBox box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.min[axis] = static_cast<std::int32_t>(wide.min[axis]);
+    box.max[axis] = static_cast<std::int32_t>(std::min<std::int64_t>(wide.max[axis], INT32_MAX));
+  }
+  return box;
+}
+
+// The triangles that come more than once, ascending.
+std::vector<PieceOfTriangle> triangles_in_pieces(const BvhFile& bvh, std::size_t triangles) {
+  std::vector<PieceOfTriangle> pieces;
+  pieces.reserve(bvh.order.size() - std::min(bvh.order.size(), triangles));
+  std::vector<bool> seen(triangles);
+  for (const std::uint32_t triangle : bvh.order) {
+    if (seen[triangle]) pieces.push_back({triangle, {}});
+    seen[triangle] = true;
+  }
+  std::ranges::sort(pieces, {}, &PieceOfTriangle::triangle);
+  const auto rest = std::ranges::unique(pieces, {}, &PieceOfTriangle::triangle);
+  pieces.erase(rest.begin(), rest.end());
+  return pieces;
+}
+
 // verify_page cannot ask of one piece of a split triangle that its box holds it all; together they must.
 Status check_split_boxes(std::span<const std::uint32_t> page, const BvhFile& bvh, std::size_t triangles,
                          const std::string& path) {
   const PageView view(page);
-  std::vector<NodeBox> boxes(triangles);
-  std::vector<std::uint32_t> position(triangles);
+  const auto holds = [&](const NodeBox& box, std::uint32_t position) {
+    return std::ranges::all_of(view.triangle(position).corners, [&](const PageView::Point& corner) {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        if (corner[axis] < box.min[axis] || corner[axis] > box.max[axis]) return false;
+      return true;
+    });
+  };
+  std::vector<PieceOfTriangle> pieces = triangles_in_pieces(bvh, triangles);
+  const auto piece_of = [&](std::uint32_t at) {
+    const auto found = std::ranges::lower_bound(pieces, bvh.order[at], {}, &PieceOfTriangle::triangle);
+    return found != pieces.end() && found->triangle == bvh.order[at] ? &*found : nullptr;
+  };
+  const Error fault{ErrorCode::kFormat, "the pieces of a triangle do not make it up", path};
   for (std::uint32_t i = 0; i < view.header().node_count; ++i) {
     const gpu::PageNode node = view.node(i);
     if (leaf_mask(node) == 0) continue;
     std::uint32_t at = view.first_triangle(i);
     for (std::uint32_t slot = 0; slot < gpu::kNodeWidth; ++slot) {
-      const WideNodeBox wide = child_box(node, slot);
-      NodeBox box;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        box.min[axis] = static_cast<std::int32_t>(wide.min[axis]);
-        box.max[axis] = static_cast<std::int32_t>(std::min<std::int64_t>(wide.max[axis], INT32_MAX));
-      }
+      const NodeBox box = box_of_slot(node, slot);
       for (std::uint32_t k = leaf_count(node, slot); k > 0; --k, ++at) {
-        boxes[bvh.order[at]].add(box);
-        position[bvh.order[at]] = at;
+        if (PieceOfTriangle* piece = piece_of(at))
+          piece->box.add(box);
+        else if (!holds(box, at))
+          return fault;
       }
     }
   }
-  for (std::size_t t = 0; t < triangles; ++t)
-    for (const PageView::Point& corner : view.triangle(position[t]).corners)
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        if (corner[axis] < boxes[t].min[axis] || corner[axis] > boxes[t].max[axis])
-          return Error{ErrorCode::kFormat, "the pieces of a triangle do not make it up", path};
+  for (std::uint32_t at = 0; at < bvh.order.size(); ++at)
+    if (const PieceOfTriangle* piece = piece_of(at); piece != nullptr && !holds(piece->box, at)) return fault;
   return {};
 }
 

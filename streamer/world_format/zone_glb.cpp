@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // decode_zone_glb: GLB container, glTF JSON, Draco streams. Each layer's counts are held against the index's record
-// before the next one takes memory; what draco and the JSON parser throw ends here.
+// before the next one takes memory; what the JSON parser throws ends here.
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <exception>
 #include <limits>
@@ -10,10 +9,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include <draco/compression/decode.h>
-
 #include "streamer/world_format/bvh_page.h"
-#include "streamer/world_format/draco_tables.h"
+#include "streamer/world_format/draco_layout.h"
+#include "streamer/world_format/draco_mesh.h"
+#include "streamer/world_format/scratch_memory.h"
 
 namespace zc {
 namespace {
@@ -25,49 +24,13 @@ constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
 constexpr std::uint32_t kBinChunk = 0x004E4942;   // "BIN\0"
 constexpr std::uint64_t kUnsignedShort = 5123;
 
-// What decoding takes, measured with draco 1.5.5 and nlohmann 3.11 (bytes), with room to spare: connectivity and values
-// by triangle and vertex, and the tables of the rANS decoders, which the streams themselves name (draco_tables.h).
-constexpr std::uint64_t kScratchFixed = 64 << 10U;
-constexpr std::uint64_t kScratchPerTriangle = 100;
-constexpr std::uint64_t kScratchPerVertex = 56;
-// Held from the first primitive to the page: the mesh and what assembling takes. The BVH file comes on top.
-constexpr std::uint64_t kHeldPerTriangle = 32;
-constexpr std::uint64_t kHeldPerVertex = 16;
-constexpr std::uint64_t kHeldPerSplitTriangle = 28;  // its pieces' box
-// The decoded BVH file: nodes and the boxes below them, the order and the lists on the way to it.
-constexpr std::uint64_t kTreePerNode = sizeof(gpu::PageNode) + 24;
-constexpr std::uint64_t kTreePerReference = 3 * sizeof(std::uint32_t) + 1;  // later, with trims, fewer
-constexpr std::uint64_t kLightPerVertex = 6 * sizeof(std::uint32_t);
-constexpr std::uint64_t kNormalsPerTriangle = sizeof(std::uint32_t) + sizeof(gpu::TriangleNormals);
-constexpr std::uint64_t kNormalsPerVertex = 2 * sizeof(std::uint16_t);
-constexpr std::uint64_t kScratchPerJsonByte = 24;
-constexpr std::uint64_t kSymbolsMost = (1 << 16U) + 1;
 constexpr std::uint64_t kJsonMaxBytes = 1 << 20U;
-constexpr std::uint64_t kBytesPerJsonValue = 128;
+constexpr std::uint64_t kBytesPerJsonValue = 128;  // measured with nlohmann 3.11, with room to spare
+constexpr std::uint64_t kJsonBytesPerValue = 4;    // of what zones have; for files that nobody has seen yet
+constexpr std::uint64_t kFixed = 4 << 10U;         // names, messages
 
-// For streams that cannot be followed: each distinct symbol takes a byte of the stream at least.
-std::uint64_t table_bound(std::uint64_t vertex_count, std::uint64_t glb_bytes) {
-  return rans_table_bytes(static_cast<unsigned>(std::bit_width(std::min({3 * vertex_count, glb_bytes, kSymbolsMost}))),
-                          kSymbolsMost);
-}
-
-// What draco takes for one primitive's stream.
-std::uint64_t stream_scratch(std::uint64_t triangle_count, std::uint64_t vertex_count, std::uint64_t stream_bytes,
-                             std::uint64_t table_bytes) {
-  return kScratchPerTriangle * triangle_count + kScratchPerVertex * vertex_count +
-         std::min<std::uint64_t>(stream_bytes, 1ULL << 32U) + table_bytes;
-}
-
-std::uint32_t clamp_bytes(std::uint64_t bytes) {
-  return static_cast<std::uint32_t>(std::min<std::uint64_t>(bytes, std::numeric_limits<std::uint32_t>::max()));
-}
-
-// The JSON tree is gone before draco starts, and each stream's decoder before the next.
-std::uint32_t scratch(std::uint64_t json_bytes, std::uint64_t largest_stream, const NodeRecord& node) {
-  const std::uint64_t json = kScratchPerJsonByte * std::min(json_bytes, kJsonMaxBytes);
-  const std::uint64_t held =
-      kHeldPerTriangle * node.triangle_count + kHeldPerVertex * node.vertex_count + bvh_scratch_bytes(node);
-  return clamp_bytes(kScratchFixed + std::max(json, largest_stream) + held);
+std::uint64_t json_scratch(std::uint64_t values, std::uint64_t json_bytes) {
+  return values * kBytesPerJsonValue + 2 * json_bytes;
 }
 
 struct Chunks {
@@ -81,6 +44,18 @@ struct Primitive {
   std::span<const std::byte> draco;
 };
 
+// What comes out and what draco_mesh works in.
+std::uint64_t mesh_scratch(std::uint64_t triangles, std::uint64_t vertices, std::uint64_t words) {
+  return array_scratch<std::array<std::uint32_t, 3>>(triangles) +
+         array_scratch<std::array<std::uint16_t, 3>>(vertices) + array_scratch<std::uint32_t>(words);
+}
+
+// The JSON tree is gone before the mesh is there, and what that was decoded in before the page.
+std::uint32_t scratch(const NodeRecord& node, std::uint64_t json, std::uint64_t mesh, std::uint64_t vertices) {
+  const std::uint64_t glb = std::max(json, mesh) + sizeof(Primitive) * node.primitive_count + kFixed;
+  return std::max(clamp_bytes(glb), page_scratch_bytes(node, vertices));
+}
+
 class ZoneGlb {
  public:
   ZoneGlb(std::span<const std::byte> bytes, const NodeRecord& node, const std::string& path)
@@ -93,19 +68,31 @@ class ZoneGlb {
     allowed_ = std::numeric_limits<std::uint32_t>::max();
     ZC_ASSIGN(const Chunks chunks, split());
     ZC_ASSIGN(const std::vector<Primitive> primitives, read_json(chunks));
-    return scratch_of(chunks, primitives);
+    ZC_ASSIGN(const Needs needs, needs_of(chunks, primitives));
+    return needs.scratch_bytes;
   }
 
   Result<ZoneMesh> decode() {
     ZC_ASSIGN(const Chunks chunks, split());
     ZC_ASSIGN(const std::vector<Primitive> primitives, read_json(chunks));
-    ZC_ASSIGN(const std::uint32_t needed, scratch_of(chunks, primitives));
-    if (needed > allowed_) return fault("decoding takes more memory than the index says");
+    ZC_ASSIGN(const Needs needs, needs_of(chunks, primitives));
+    if (needs.scratch_bytes > allowed_) return fault("decoding takes more memory than the index says");
     ZoneMesh mesh;
-    mesh.vertices.reserve(node_.vertex_count);
-    mesh.triangles.reserve(node_.triangle_count);
-    for (const Primitive& primitive : primitives) ZC_TRY(append(primitive, mesh));
-    if (mesh.triangles.size() != node_.triangle_count) return fault("has fewer triangles than the index says");
+    mesh.vertices.resize(needs.vertices);
+    mesh.triangles.resize(node_.triangle_count);
+    std::vector<std::uint32_t> words(needs.words);
+    std::uint32_t vertex = 0;
+    std::uint32_t triangle = 0;
+    for (const Primitive& primitive : primitives) {
+      ZC_ASSIGN(const DracoLayout layout, layout_of(primitive));
+      const std::span triangles = std::span(mesh.triangles).subspan(triangle, layout.faces);
+      if (!decode_draco(layout, std::span(mesh.vertices).subspan(vertex, layout.values), triangles, words))
+        return fault("Draco stream is damaged");
+      for (auto& corners : triangles)
+        for (std::uint32_t& corner : corners) corner += vertex;
+      vertex += layout.values;
+      triangle += layout.faces;
+    }
     return mesh;
   }
 
@@ -114,17 +101,38 @@ class ZoneGlb {
     return {ErrorCode::kFormat, std::move(cause), path_, at};
   }
 
-  [[nodiscard]] Result<std::uint32_t> scratch_of(const Chunks& chunks, const std::vector<Primitive>& primitives) const {
-    std::uint64_t largest = 0;
+  [[nodiscard]] Result<DracoLayout> layout_of(const Primitive& primitive) const {
+    DracoLayout layout;
+    if (const char* cause = read_draco_layout(primitive.draco, primitive.draco_attribute, layout)) return fault(cause);
+    return layout;
+  }
+
+  // What the streams say of themselves. Positions may be fewer than points: those are split where colours meet.
+  struct Needs {
+    std::uint32_t vertices = 0;
+    std::uint64_t words = 0;
+    std::uint32_t scratch_bytes = 0;
+  };
+  [[nodiscard]] Result<Needs> needs_of(const Chunks& chunks, const std::vector<Primitive>& primitives) const {
+    Needs needs;
+    std::uint32_t triangles = 0;
     for (const Primitive& primitive : primitives) {
-      const auto counts = read_draco_counts(primitive);
-      const std::uint64_t triangles =
-          counts.ok() ? std::min<std::uint64_t>(counts->faces, node_.triangle_count) : node_.triangle_count;
-      const std::optional<std::uint64_t> tables = draco_table_bytes(primitive.draco);
-      if (!tables) return fault("Draco stream is damaged or of a kind that zones do not have");
-      largest = std::max(largest, stream_scratch(triangles, primitive.vertex_count, primitive.draco.size(), *tables));
+      ZC_ASSIGN(const DracoLayout layout, layout_of(primitive));
+      if (layout.faces > node_.triangle_count - triangles || layout.values > primitive.vertex_count)
+        return fault("Draco stream has more triangles or vertices than the index says");
+      triangles += layout.faces;
+      needs.vertices += layout.values;
+      needs.words = std::max(needs.words, layout.scratch_words());
     }
-    return scratch(chunks.json.size(), largest, node_);
+    if (triangles != node_.triangle_count) return fault("has fewer triangles than the index says");
+    const std::uint64_t json = json_scratch(json_values(chunks.json), chunks.json.size());
+    needs.scratch_bytes = scratch(node_, json, mesh_scratch(triangles, needs.vertices, needs.words), needs.vertices);
+    return needs;
+  }
+
+  static std::uint64_t json_values(std::string_view json) {
+    return static_cast<std::uint64_t>(
+        std::count_if(json.begin(), json.end(), [](char c) { return c == '{' || c == '[' || c == ',' || c == ':'; }));
   }
 
   [[nodiscard]] std::uint32_t word(std::size_t at) const {
@@ -167,9 +175,7 @@ class ZoneGlb {
   }
 
   [[nodiscard]] Result<std::vector<Primitive>> read_json(const Chunks& chunks) const {
-    const auto structural = static_cast<std::uint64_t>(std::count_if(
-        chunks.json.begin(), chunks.json.end(), [](char c) { return c == '{' || c == '[' || c == ',' || c == ':'; }));
-    if (structural * kBytesPerJsonValue + 2 * chunks.json.size() > allowed_)
+    if (json_scratch(json_values(chunks.json), chunks.json.size()) > allowed_)
       return fault("JSON has too many values", 20);
     const Json root = Json::parse(chunks.json, nullptr, false);
     if (root.is_discarded()) return fault("malformed JSON", 20);
@@ -217,86 +223,6 @@ class ZoneGlb {
     return Primitive{static_cast<std::uint32_t>(*attribute), *vertices, bin.subspan(offset, *length)};
   }
 
-  // Draco takes memory as its own header asks, so that is read first: (Draco bitstream 2.2, sections "ParseHeader",
-  // "ParseEdgebreakerConnectivityData", "DecodeSequentialConnectivityData".)
-  struct DracoCounts {
-    std::uint64_t faces = 0;
-    std::uint64_t vertices = 0;
-    bool edgebreaker = false;
-  };
-  [[nodiscard]] Result<DracoCounts> read_draco_counts(const Primitive& primitive) const {
-    const std::span<const std::byte> data = primitive.draco;
-    const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(data[i]); };
-    if (data.size() < 13 || std::memcmp(data.data(), "DRACO", 5) != 0) return fault("not a Draco stream");
-    if (byte(5) != 2 || byte(6) != 2) return fault("Draco bitstream is not version 2.2");
-    if (byte(7) != 1 || byte(8) > 1) return fault("Draco stream is not a mesh");
-    if (byte(9) != 0 || byte(10) != 0) return fault("Draco stream has metadata");
-    DracoCounts counts;
-    counts.edgebreaker = byte(8) == 1;
-    std::size_t at = counts.edgebreaker ? 12 : 11;  // after the traversal type
-    const auto varint = [&]() -> std::uint64_t {
-      std::uint64_t value = 0;
-      for (unsigned shift = 0; at < data.size() && shift < 35; shift += 7) {
-        const std::uint32_t b = byte(at++);
-        value |= std::uint64_t{b & 0x7FU} << shift;
-        if ((b & 0x80U) == 0) return value;
-      }
-      return std::numeric_limits<std::uint32_t>::max() + 1ULL;
-    };
-    const std::uint64_t first = varint();
-    const std::uint64_t second = varint();
-    counts.faces = counts.edgebreaker ? second : first;
-    counts.vertices = counts.edgebreaker ? first : second;
-    return counts;
-  }
-
-  [[nodiscard]] Status check_draco_header(const Primitive& primitive, std::uint64_t faces_left) const {
-    ZC_ASSIGN(const DracoCounts counts, read_draco_counts(primitive));
-    // Edgebreaker's own count is of the connectivity's vertices, before or after splits; draco allows three a face.
-    const std::uint64_t vertices_most = counts.edgebreaker ? 3 * faces_left : primitive.vertex_count;
-    if (counts.faces > faces_left || counts.vertices > vertices_most)
-      return fault("Draco stream has more triangles or vertices than the index says");
-    return {};
-  }
-
-  [[nodiscard]] Status append(const Primitive& primitive, ZoneMesh& mesh) const {
-    const std::uint64_t faces_left = node_.triangle_count - mesh.triangles.size();
-    ZC_TRY(check_draco_header(primitive, faces_left));
-    draco::DecoderBuffer buffer;
-    buffer.Init(reinterpret_cast<const char*>(primitive.draco.data()), primitive.draco.size());
-    draco::Decoder decoder;
-    auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-    if (!decoded.ok()) return fault(std::string("Draco: ") + decoded.status().error_msg());
-    const draco::Mesh& source = *decoded.value();
-    if (source.num_points() != primitive.vertex_count || source.num_faces() > faces_left)
-      return fault("Draco stream has other counts than its accessor");
-
-    const draco::PointAttribute* position = source.GetAttributeByUniqueId(primitive.draco_attribute);
-    if (position == nullptr || position->data_type() != draco::DT_UINT16 || position->num_components() != 3 ||
-        position->byte_stride() != 6 || position->buffer() == nullptr)
-      return fault("Draco stream has no 16-bit POSITION");
-    // Values, not points: those are split where colours meet.
-    const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
-    if (position->size() > primitive.vertex_count) return fault("Draco stream has more positions than points");
-    for (draco::AttributeValueIndex v(0); v < static_cast<std::uint32_t>(position->size()); ++v) {
-      std::array<std::uint16_t, 3> vertex = {};
-      position->GetValue(v, vertex.data());
-      mesh.vertices.push_back(vertex);
-    }
-    for (draco::FaceIndex f(0); f < source.num_faces(); ++f) {
-      std::array<std::uint32_t, 3> triangle{};
-      for (std::size_t k = 0; k < 3; ++k) {
-        const draco::PointIndex point = source.face(f)[k];
-        if (point.value() >= source.num_points()) return fault("Draco stream refers to a missing vertex");
-        const draco::AttributeValueIndex value = position->mapped_index(point);
-        if (value.value() >= position->size()) return fault("Draco stream refers to a missing value");
-        triangle[k] = base + value.value();
-      }
-      mesh.triangles.push_back(triangle);
-    }
-    return {};
-  }
-
   std::span<const std::byte> bytes_;
   const NodeRecord& node_;
   const std::string& path_;
@@ -305,21 +231,11 @@ class ZoneGlb {
 
 }  // namespace
 
-std::uint32_t bvh_scratch_bytes(const NodeRecord& node) {
-  const std::uint64_t triangles = node.triangle_count;
-  std::uint64_t bytes = kTreePerNode * node.bvh_node_count + kTreePerReference * node.reference_count;
-  if (node.reference_count > node.triangle_count) bytes += kHeldPerSplitTriangle * triangles;
-  if (node.look_bytes > 0) bytes += sizeof(std::uint16_t) * triangles + node.look_bytes;
-  if (node.light_bytes > 0) bytes += sizeof(gpu::TriangleLight) * triangles + kLightPerVertex * node.vertex_count;
-  if (node.normal_bytes > 0) bytes += kNormalsPerTriangle * triangles + kNormalsPerVertex * node.vertex_count;
-  return clamp_bytes(bytes + node.texture_bytes);
-}
-
 std::uint32_t decode_scratch_bound(const NodeRecord& node, std::uint64_t glb_bytes) {
-  return scratch(
-      glb_bytes,
-      stream_scratch(node.triangle_count, node.vertex_count, glb_bytes, table_bound(node.vertex_count, glb_bytes)),
-      node);
+  const std::uint64_t json = std::min(glb_bytes, kJsonMaxBytes);
+  const std::uint64_t words = draco_scratch_words_most(node.triangle_count, node.vertex_count, glb_bytes);
+  return scratch(node, json_scratch(json / kJsonBytesPerValue, json),
+                 mesh_scratch(node.triangle_count, node.vertex_count, words), node.vertex_count);
 }
 
 std::uint32_t decode_scratch_bytes(std::span<const std::byte> glb, const NodeRecord& node) {

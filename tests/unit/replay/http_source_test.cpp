@@ -90,7 +90,7 @@ StreamerOptions options_for(ClockKind clock) {
           .threads = 3,
           .clock = clock,
           .source_latency_s = clock == ClockKind::kVirtual ? 0.05 : 0,
-          .source_bandwidth_bytes_per_s = clock == ClockKind::kVirtual ? 2e5 : 0.0,
+          .source_bandwidth_bytes_per_s = clock == ClockKind::kVirtual ? 5e4 : 0.0,
           .tolerance = 0.02,
           .max_in_flight = 6};
 }

@@ -290,7 +290,7 @@ TEST(Cameras, teleports_and_reversals_of_two_cameras_stay_under_the_cap_and_repe
     options.cap_bytes = smallest_cap_bytes(world().index) + pages;
     options.threads = threads;
     options.source_latency_s = 0.05;
-    options.source_bandwidth_bytes_per_s = 5e4;
+    options.source_bandwidth_bytes_per_s = 2e4;
     options.tolerance = 0.004;
     auto streamer = Streamer::open(source, options, sink);
     ASSERT_TRUE(streamer.ok());

@@ -113,7 +113,7 @@ TEST(Streamer, never_exceeds_its_cap_and_always_covers_the_world) {
   std::uint64_t evicted = 0;
   std::uint64_t compacted = 0;
   std::uint64_t cancelled = 0;
-  for (const double share : {0.0, 0.001, 0.1, 0.6, 0.8, 1.0, 1.5, 3.0, 10.0}) {
+  for (const double share : {0.0, 0.001, 0.1, 0.3, 0.4, 0.6, 0.8, 1.0, 1.5, 3.0, 10.0}) {
     MemorySource source(world().files);
     HeapPageSink sink;
     const StreamerOptions options = options_for(cap_for(share));
@@ -241,7 +241,7 @@ TEST(Streamer, at_a_fixed_camera_settles_and_then_does_nothing) {
 // pages above it as well.
 TEST(Streamer, under_pressure_the_pool_holds_what_is_shown) {
   bool found = false;
-  for (const double share : {0.26, 0.27, 0.28, 0.29, 0.3, 0.31}) {
+  for (const double share : {0.21, 0.22, 0.23, 0.24, 0.25, 0.26}) {
     MemorySource source(world().files);
     HeapPageSink sink;
     auto streamer = Streamer::open(source, options_for(cap_for(share)), sink);
