@@ -102,7 +102,8 @@ float srgb_to_linear(float value) {
 }
 
 std::uint8_t linear_to_srgb8(float value) {
-  return srgb_table()[static_cast<std::size_t>(std::clamp(value, 0.0F, 1.0F) * kSrgbSteps + 0.5F)];
+  const float within = value > 0 ? std::min(value, 1.0F) : 0;  // no number: 0
+  return srgb_table()[static_cast<std::size_t>(within * kSrgbSteps + 0.5F)];
 }
 
 float srgb8_to_linear(std::uint8_t value) { return linear_table()[value]; }
@@ -129,8 +130,9 @@ TextureImage make_texture_image(std::span<const std::uint8_t> pixels, std::uint3
 glm::vec3 TextureImage::sample(glm::vec2 uv, std::size_t level, TextureWrap wrap_u, TextureWrap wrap_v) const {
   const Level& l = levels[std::min(level, levels.size() - 1)];
   const auto place = [](float t, std::uint32_t size) {
-    // Beyond this a float tells no texels apart.
-    return std::clamp(static_cast<double>(t) * size - 0.5, -1e9, 1e9);
+    // Beyond this a float tells no texels apart; no number has no place at all.
+    const double at = static_cast<double>(t) * size - 0.5;
+    return std::isnan(at) ? 0.0 : std::clamp(at, -1e9, 1e9);
   };
   const double x = place(uv.x, l.width);
   const double y = place(uv.y, l.height);

@@ -14,7 +14,7 @@
 namespace zc {
 
 float srgb_to_linear(float value);
-// 0..255, to the nearest.
+// 0..255, to the nearest; 0 of what is no number.
 std::uint8_t linear_to_srgb8(float value);
 float srgb8_to_linear(std::uint8_t value);
 
@@ -29,7 +29,7 @@ struct TextureImage {
   std::vector<Level> levels;  // each half as large as the one before, the last of one texel
   glm::vec3 mean{0};          // linear, of the whole image at its full size
 
-  // Linear colour at `uv` (texture coordinates, v downwards), filtered over four texels of the level.
+  // Linear colour at `uv` (texture coordinates, v downwards; any values), filtered over four texels of the level.
   [[nodiscard]] glm::vec3 sample(glm::vec2 uv, std::size_t level, TextureWrap wrap_u, TextureWrap wrap_v) const;
   [[nodiscard]] std::size_t texel_count() const;
 };

@@ -166,7 +166,7 @@ class Painter {
     const glm::vec2 per_u = (e1 * part(d2.v, seen.area2) - e2 * part(d1.v, seen.area2)) * size;
     const glm::vec2 per_v = (e2 * part(d1.u, seen.area2) - e1 * part(d2.u, seen.area2)) * size;
     const float width = std::max(glm::length(per_u), glm::length(per_v));
-    const float level = std::log2(std::clamp(width, 1.0F, 1e6F));
+    const float level = width > 1 ? std::log2(std::min(width, 1e6F)) : 0;  // no number: the finest
 
     for_texels(seen, kRim, [&](std::size_t i, const Flat& at) {
       if (inside_[i] < -kGutter) return;

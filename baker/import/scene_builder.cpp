@@ -32,6 +32,13 @@ bool usable(const glm::dvec3& p) {
   return std::abs(p.x) <= kMaxCoordinateM && std::abs(p.y) <= kMaxCoordinateM && std::abs(p.z) <= kMaxCoordinateM;
 }
 
+// Whether the coordinates tell texels apart; false for NaN.
+bool usable(const TriangleTexcoords& texcoords) {
+  return std::all_of(texcoords.uv.begin(), texcoords.uv.end(), [](const glm::vec2& uv) {
+    return std::abs(uv.x) <= kMaxTexcoord && std::abs(uv.y) <= kMaxTexcoord;
+  });
+}
+
 // The EPSG code at the end of "urn:ogc:def:crs:EPSG::7415" or ".../EPSG/0/7415"; the whole text of any other name.
 std::string crs_key(const std::string& crs) {
   if (crs.find("EPSG") == std::string::npos && crs.find("epsg") == std::string::npos) return crs;
@@ -115,8 +122,12 @@ Status SceneBuilder::add(const ObjectMesh& mesh) {
       low = glm::min(low, corners[k]);
       high = glm::max(high, corners[k]);
     }
-    if (texcoords != mesh.texcoords.end() && texcoords->triangle == t && scene_.materials[mesh.materials[t]].texture)
-      scene_.texcoords.push_back({static_cast<std::uint32_t>(scene_.triangles.size()), texcoords->uv});
+    if (texcoords != mesh.texcoords.end() && texcoords->triangle == t && scene_.materials[mesh.materials[t]].texture) {
+      if (usable(*texcoords))
+        scene_.texcoords.push_back({static_cast<std::uint32_t>(scene_.triangles.size()), texcoords->uv});
+      else
+        note("triangles with texture coordinates that are not finite or beyond 2^24, mean colour used");
+    }
     scene_.triangles.push_back(triangle);
     scene_.triangle_material.push_back(mesh.materials[t]);
   }

@@ -29,6 +29,8 @@ struct ObjectMesh {
 inline constexpr double kGroundExtentM = 128;
 // Beyond this a coordinate has no place on any lattice.
 inline constexpr double kMaxCoordinateM = 1.8e18;
+// Beyond this a texture coordinate, a float, tells not even whole repeats of the image apart.
+inline constexpr float kMaxTexcoord = 1U << 24U;
 
 class SceneBuilder {
  public:

@@ -6,6 +6,7 @@
 #include <functional>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "baker/appearance/zone_looks.h"
 #include "streamer/world_format/page_view.h"
@@ -219,6 +220,19 @@ TEST(Appearance, WallsBackToBackKeepTheirOwnSides) {
       EXPECT_GT(front.r, 2 * front.g);
       EXPECT_GT(back.g, 2 * back.r);
     }
+}
+
+TEST(Appearance, AnyNumberIsATextureCoordinateAndAColour) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const std::vector<std::uint8_t> pixels(std::size_t{3} * 5 * 3, 200);
+  const TextureImage image = make_texture_image(pixels, 5, 3, 3);
+  for (const float u : {kNan, kInfinity, -kInfinity, 3e38F, -3e38F, 0.3F})
+    for (const float v : {kNan, -kInfinity, -1e30F, 0.7F})
+      for (const TextureWrap wrap : {TextureWrap::kRepeat, TextureWrap::kMirror, TextureWrap::kClamp})
+        EXPECT_EQ(linear_to_srgb8(image.sample({u, v}, 1, wrap, wrap).g), 200) << u << ' ' << v;
+  EXPECT_EQ(linear_to_srgb8(kNan), 0);
+  EXPECT_EQ(linear_to_srgb8(kInfinity), 255);
 }
 
 TEST(Appearance, WhatShowsNothingNeedsNoAtlas) {

@@ -208,13 +208,14 @@ TEST_F(CityJson, TextureCoordinatesFollowTheirRings) {
       72);
   write("two.png", png_bytes);
   const auto document_of = [](const std::string& values,
-                              const std::string& texture = R"({"image":"two.png","wrapMode":"clamp"})") {
+                              const std::string& texture = R"({"image":"two.png","wrapMode":"clamp"})",
+                              const std::string& last_u = "0.5") {
     return document(
         R"("a":{"type":"Building","geometry":[{"type":"MultiSurface","lod":"2","boundaries":[[[0,1,5]],[[1,2,6]]],)"
         R"("texture":{"v":{"values":)" +
             values + "}}}]}",
         kCubeVertices,
-        R"("appearance":{"textures":[)" + texture + R"(],"vertices-texture":[[0,0],[1,0.25],[0.5,1]]},)");
+        R"("appearance":{"textures":[)" + texture + R"(],"vertices-texture":[[0,0],[1,0.25],[)" + last_u + ",1]]},");
   };
   const auto scene = import_text("paint.json", document_of("[[[0,0,1,2]],[[null]]]"));
   ASSERT_TRUE(scene.ok()) << scene.error().describe();
@@ -236,6 +237,12 @@ TEST_F(CityJson, TextureCoordinatesFollowTheirRings) {
   const auto wrong = import_text("wrong.json", document_of("[[[0,0,1,3]],[[null]]]"));
   ASSERT_FALSE(wrong.ok());
   EXPECT_NE(wrong.error().message.find("texture coordinate index 3 out of range"), std::string::npos);
+  for (const char* u : {"1e300", "-1e39", "1e10"}) {  // as a float: infinite, or too large to tell texels apart
+    const auto huge = import_text("huge.json", document_of("[[[0,0,1,2]],[[null]]]", R"({"image":"two.png"})", u));
+    ASSERT_TRUE(huge.ok()) << huge.error().describe();
+    EXPECT_TRUE(huge->texcoords.empty()) << u;
+    EXPECT_EQ(noted(*huge, "not finite or beyond 2^24"), 1U) << u;
+  }
 }
 
 TEST_F(CityJson, GeometryTemplatesArePlacedAtTheirReferencePoint) {
