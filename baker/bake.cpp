@@ -182,7 +182,10 @@ std::string bake_json(const BakeReport& report) {
   json["disk_bytes"] = {{"proxies", report.proxies.to_json()}, {"detail", report.detail.to_json()}};
   const auto counts = [](std::span<const ImportCount> notes) {
     auto list = nlohmann::ordered_json::array();
-    for (const ImportCount& note : notes) list.push_back({{"what", note.what}, {"count", note.count}});
+    for (const ImportCount& note : notes) {
+      list.push_back({{"what", note.what}, {"count", note.count}});
+      if (!note.names.empty()) list.back()["names"] = note.names;
+    }
     return list;
   };
   json["repair"] = {{"counts", counts(report.repair.counts)},

@@ -51,6 +51,7 @@ struct SceneObject {
 struct ImportCount {
   std::string what;
   std::uint64_t count = 0;
+  std::vector<std::string> names = {};  // of the files that it befell, or the place where it did first, if known
 };
 
 // v downwards, as in glTF.

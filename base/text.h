@@ -2,10 +2,13 @@
 // Small things done to text. Thread-safe: no state.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
 namespace zc {
+
+inline constexpr std::size_t kPrintableBytes = 600;
 
 // ASCII alone, whatever the locale.
 inline std::string lower(std::string_view text) {
@@ -21,5 +24,9 @@ inline bool take(std::string_view& text, std::string_view word) {
   text.remove_prefix(word.size());
   return true;
 }
+
+// What a file, a server or a caller said, as one line that a terminal can show: control characters, directions and
+// bytes that are no UTF-8 as \n, \t or \x1b; of what then takes more than most_bytes, both ends.
+std::string printable(std::string_view text, std::size_t most_bytes = kPrintableBytes);
 
 }  // namespace zc

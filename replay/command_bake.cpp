@@ -8,6 +8,7 @@
 
 #include "baker/bake.h"
 #include "baker/import/import.h"
+#include "base/text.h"
 #include "replay/bvh_option.h"
 #include "replay/commands.h"
 #include "replay/progress.h"
@@ -49,7 +50,10 @@ Status run(const Arguments& arguments) {
   std::size_t zones = 0;
   for (const NodeRecord& node : report.index.nodes) zones += node.is_detail() ? 1 : 0;
   for (const auto* notes : {&report.notes, &report.repair.counts})
-    for (const ImportCount& note : *notes) spdlog::info("{}: {}", note.what, note.count);
+    for (const ImportCount& note : *notes) {
+      const std::string first = note.names.empty() ? "" : " (first: " + printable(note.names.front(), 160) + ")";
+      spdlog::info("{}: {}{}", note.what, note.count, first);
+    }
   if (report.interior_faces > 0)
     spdlog::info("faces that can be seen from nowhere outside, left out: {}", report.interior_faces);
   std::cout << arguments.out << ": " << report.index.header.source_triangles << " triangles in " << zones << " zones, "
@@ -66,7 +70,8 @@ void add_bake(CLI::App& app, const SetCommand& set) {
   CLI::App* command = app.add_subcommand("bake", "Bake city models into a world of zones");
   command
       ->add_option("inputs", arguments->inputs,
-                   "glTF, GLB, CityJSON 1.1/2.0, CityJSONSeq, CityGML 2.0 or 3D Tiles 1.0/1.1 (tileset.json) files")
+                   "glTF, GLB, CityJSON 1.1/2.0, CityJSONSeq, CityGML 2.0 or 3D Tiles 1.0/1.1 (tileset.json) files; "
+                   "-: CityJSONSeq from standard input")
       ->required();
   command->add_option("-o,--output", arguments->out, "World folder to write; an old world there is replaced")
       ->required();

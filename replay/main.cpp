@@ -1,23 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parses, calls, reports. Exit codes: 0 success, 1 failure, 2 bad arguments.
 #include <malloc.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <climits>
 #include <exception>
 #include <iostream>
+#include <memory>
 
+#include "base/text.h"
 #include "replay/commands.h"
 
 namespace {
 
-// Options can hold line breaks in values; an error is one line whatever it quotes.
-std::string one_line(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+// A line of the log is one line whatever names it quotes.
+class PrintableMessage : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& out) override {
+    const std::string text = zc::printable({message.payload.data(), message.payload.size()});
+    out.append(text.data(), text.data() + text.size());
   }
-  return text;
-}
+  [[nodiscard]] std::unique_ptr<custom_flag_formatter> clone() const override {
+    return std::make_unique<PrintableMessage>();
+  }
+};
 
 int run(int argc, char** argv) {
   CLI::App app{
@@ -40,7 +48,7 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    std::cerr << "zonecast: " << one_line(error.what()) << '\n';
+    std::cerr << "zonecast: " << zc::printable(error.what()) << '\n';
     return 2;
   }
   const zc::Status status = command();
@@ -49,7 +57,10 @@ int run(int argc, char** argv) {
     std::cerr << "zonecast: standard output: cannot be written\n";
     return 1;
   }
-  std::cerr << "zonecast: " << one_line(status.error().describe()) << '\n';
+  zc::Error shown = status.error();
+  shown.path = zc::printable(shown.path, PATH_MAX);  // what the caller may want to copy
+  shown.message = zc::printable(shown.message);
+  std::cerr << "zonecast: " << shown.describe() << '\n';
   return status.error().code == zc::ErrorCode::kArgument ? 2 : 1;
 }
 
@@ -60,13 +71,15 @@ int main(int argc, char** argv) {
   mallopt(M_MMAP_THRESHOLD, 1 << 16);
   mallopt(M_TRIM_THRESHOLD, 1 << 16);
   spdlog::set_default_logger(spdlog::stderr_logger_mt("zonecast"));
-  spdlog::set_pattern("%n: %l: %v");
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<PrintableMessage>('*').set_pattern("%n: %l: %*");
+  spdlog::set_formatter(std::move(formatter));
   try {
     return run(argc, argv);
   } catch (const std::bad_alloc&) {
     std::cerr << "zonecast: out of memory\n";
   } catch (const std::exception& error) {
-    std::cerr << "zonecast: " << one_line(error.what()) << '\n';
+    std::cerr << "zonecast: " << zc::printable(error.what()) << '\n';
   }
   return 1;
 }

@@ -15,6 +15,7 @@
 #include "baker/import/json_text.h"
 #include "baker/import/polygon.h"
 #include "baker/import/surface_material.h"
+#include "baker/import/uri.h"
 
 namespace zc {
 namespace {
@@ -80,11 +81,7 @@ struct FoundPolygon {
 class CityGmlImport {
  public:
   CityGmlImport(const std::string& path, std::optional<EarthFrame>& earth, TextureImages& images, SceneBuilder& builder)
-      : path_(path),
-        folder_(std::filesystem::path(path).parent_path()),
-        earth_(earth),
-        images_(images),
-        builder_(builder) {}
+      : path_(path), folder_(folder_of(path)), earth_(earth), images_(images), builder_(builder) {}
 
   Status run(const pugi::xml_node& model) {
     ZC_TRY(read_crs(model));
@@ -119,6 +116,7 @@ class CityGmlImport {
     mesh.id = gml_attribute(feature, "id");
     if (mesh.id.empty()) mesh.id = "at byte " + std::to_string(feature.offset_debug());
     mesh.kind = kind_of_city_object(object_type(local_name(feature)));
+    builder_.enter_object(mesh.id);
     const std::string palette_key = mesh.id;
     std::vector<std::pair<pugi::xml_node, int>> features = {{feature, 0}};
     for (std::size_t i = 0; i < features.size(); ++i) {
@@ -337,7 +335,7 @@ class CityGmlImport {
     for (const std::string_view id : found.ids) {
       const GmlTexture* texture = appearance_.texture(id);
       if (texture == nullptr) continue;
-      if (const auto loaded = images_.of_file(folder_, texture->image))
+      if (const auto loaded = images_.of_file(file_of_name(texture->image, path_, folder_), texture->image))
         paint = {loaded->mean, SurfaceTexture{loaded->index, texture->wrap, texture->wrap}, paint.transparent,
                  texture->image};
       break;

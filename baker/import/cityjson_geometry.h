@@ -4,7 +4,6 @@
 // Untrusted input: every index and nesting is checked. Not thread-safe (shares the builder and the image cache).
 #pragma once
 
-#include <filesystem>
 #include <glm/mat4x4.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -22,7 +21,6 @@ struct CityContext {
   const CitySource& source;
   std::span<const glm::dvec3> vertices;
   const CityAppearance& appearance;
-  std::filesystem::path image_folder;
   TextureImages& images;
   SceneBuilder& builder;
 };

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/import/cityjson_import.h"
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
+#include <istream>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -15,6 +13,29 @@ namespace zc {
 namespace {
 
 using nlohmann::json;
+
+constexpr std::size_t kMaxLineBytes = std::size_t{1} << 28U;
+constexpr const char* kBlank = " \t\r";
+// What a file would have been told apart by, a pipe shows once.
+constexpr const char* kOnlySequences =
+    "does not begin with a line that is a CityJSON object: a pipe gives CityJSONSeq, any other format must be a file";
+
+// Without its end, as std::getline() has it, but no more than one byte beyond kMaxLineBytes. False at the end.
+bool next_line(std::istream& stream, std::string& line) {
+  line.clear();
+  try {
+    std::streambuf& buffer = *stream.rdbuf();
+    for (int c = buffer.sbumpc(); c != std::istream::traits_type::eof(); c = buffer.sbumpc()) {
+      if (c == '\n') return true;
+      line += static_cast<char>(c);
+      if (line.size() > kMaxLineBytes) return true;
+    }
+  } catch (const std::ios_base::failure&) {  // the system refused to read
+    stream.setstate(std::ios_base::badbit);
+    return false;
+  }
+  return !line.empty();
+}
 
 Status check_header(const json& document, const CitySource& source) {
   const json* type = find_member(document, "type");
@@ -65,25 +86,34 @@ Result<CityHeader> read_header(const json& document, const CitySource& source, S
 }  // namespace
 
 Status import_cityjson(std::string_view text, const std::string& path, TextureImages& images, SceneBuilder& builder) {
-  const CitySource source{path, text, 0};
+  const CitySource source{path, text, 0, path};
   ZC_ASSIGN(const json document, parse_json(text, path));
   ZC_ASSIGN(const CityHeader header, read_header(document, source, builder));
   return add_city_objects(document, header, source, images, builder);
 }
 
-Status import_cityjson_seq(const std::string& path, TextureImages& images, SceneBuilder& builder) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return Error{ErrorCode::kIo, std::string("cannot open: ") + std::strerror(errno), path};
+Status import_cityjson_seq(std::istream& stream, const std::string& path, const std::filesystem::path& model,
+                           TextureImages& images, SceneBuilder& builder) {
   std::string line;
   std::int64_t offset = 0;
   std::optional<CityHeader> header;
-  while (std::getline(file, line)) {
+  const int begin = stream.peek();  // before a line without end is read
+  if (begin != std::istream::traits_type::eof() &&
+      std::string_view("{ \t\r\n\xEF").find(static_cast<char>(begin)) == std::string_view::npos)
+    return Error{ErrorCode::kUnsupported, kOnlySequences, path, 0};
+  while (next_line(stream, line)) {
     const std::int64_t line_offset = offset;
+    if (line.size() > kMaxLineBytes)
+      return Error{header ? ErrorCode::kFormat : ErrorCode::kUnsupported,
+                   header ? "line is longer than 256 MiB" : kOnlySequences, path, line_offset};
     offset += static_cast<std::int64_t>(line.size()) + 1;
     std::string_view text = line;
     if (line_offset == 0 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-    if (text.find_first_not_of(" \t\r") == std::string_view::npos) continue;
-    const CitySource source{path, text, line_offset};
+    const std::size_t first = text.find_first_not_of(kBlank);
+    if (first == std::string_view::npos) continue;
+    if (!header && (text[first] != '{' || text[text.find_last_not_of(kBlank)] != '}'))
+      return Error{ErrorCode::kUnsupported, kOnlySequences, path, line_offset};
+    const CitySource source{path, text, line_offset, model};
     ZC_ASSIGN(const json document, parse_json(text, path, line_offset));
     if (!header) {
       ZC_ASSIGN(header, read_header(document, source, builder));
@@ -94,8 +124,8 @@ Status import_cityjson_seq(const std::string& path, TextureImages& images, Scene
     }
     ZC_TRY(add_city_objects(document, *header, source, images, builder));
   }
-  if (file.bad()) return Error{ErrorCode::kIo, "cannot read", path, offset};
-  if (!header) return Error{ErrorCode::kFormat, "file is empty", path};
+  if (stream.bad()) return Error{ErrorCode::kIo, "cannot read", path, offset};
+  if (!header) return Error{ErrorCode::kFormat, "is empty", path};
   return {};
 }
 

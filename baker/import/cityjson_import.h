@@ -4,6 +4,8 @@
 // Units: metres of the document's CRS, its transform applied in double precision. Untrusted input.
 #pragma once
 
+#include <filesystem>
+#include <istream>
 #include <string>
 #include <string_view>
 
@@ -16,7 +18,9 @@ namespace zc {
 // `text` is the whole file.
 Status import_cityjson(std::string_view text, const std::string& path, TextureImages& images, SceneBuilder& builder);
 
-// Reads the file line by line, holding one line at a time.
-Status import_cityjson_seq(const std::string& path, TextureImages& images, SceneBuilder& builder);
+// Reads line by line, holding one line at a time, of at most 256 MiB. `path` is for messages; images lie beside
+// `model`.
+Status import_cityjson_seq(std::istream& stream, const std::string& path, const std::filesystem::path& model,
+                           TextureImages& images, SceneBuilder& builder);
 
 }  // namespace zc

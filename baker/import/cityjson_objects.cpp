@@ -2,7 +2,6 @@
 #include "baker/import/cityjson_objects.h"
 
 #include <charconv>
-#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -60,6 +59,7 @@ class ObjectsReader {
 
  private:
   Result<Plan> plan_of(const std::string& id, const json& object, const json& objects) {
+    builder_.enter_object(id);
     Plan plan;
     plan.type = type_of(object);
     if (plan.type.empty()) return source_.object_error(id, "has no type");
@@ -128,6 +128,7 @@ class ObjectsReader {
       if (plan.chosen.empty() || plan.lod < kFirstSolidLod || parent == plans_.end()) continue;
       if (parent->second.chosen.empty() || parent->second.lod < 0 || parent->second.lod >= kFirstSolidLod) continue;
       parent->second.chosen.clear();
+      builder_.enter_object(plan.parent);
       builder_.note("footprints whose parts have solid geometry, left out");
     }
   }
@@ -151,21 +152,21 @@ class ObjectsReader {
     for (const std::string& id : ids) {
       const Plan& plan = plans_.at(id);
       const CityObjectRef object{id, plan.type, owner};
+      builder_.enter_object(id);
       for (const json* geometry : plan.chosen) ZC_TRY(add_geometry(*geometry, object, mesh));
     }
     return builder_.add(mesh);
   }
 
   Status add_geometry(const json& geometry, const CityObjectRef& object, ObjectMesh& mesh) {
-    const std::filesystem::path folder = std::filesystem::path(source_.path).parent_path();
     if (type_of(geometry) != "GeometryInstance") {
-      const CityContext context{source_, vertices_, own_appearance_ ? *own_appearance_ : header_.appearance,
-                                folder,  images_,   builder_};
+      const CityContext context{source_, vertices_, own_appearance_ ? *own_appearance_ : header_.appearance, images_,
+                                builder_};
       return add_city_geometry(geometry, context, object, nullptr, mesh);
     }
     ZC_ASSIGN(const json* shape, shape_of(object.id, geometry));
     ZC_ASSIGN(const glm::dmat4 placement, placement_of(object.id, geometry));
-    const CityContext context{source_, header_.template_vertices, header_.appearance, folder, images_, builder_};
+    const CityContext context{source_, header_.template_vertices, header_.appearance, images_, builder_};
     return add_city_geometry(*shape, context, object, &placement, mesh);
   }
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/import/json_text.h"
+#include "baker/import/uri.h"
 
 namespace zc {
 namespace {
@@ -34,6 +35,10 @@ Result<std::string> text_member(const json& object, const char* key, const std::
 }
 
 }  // namespace
+
+Result<std::filesystem::path> CitySource::image_file(const std::string& name) const {
+  return file_of_name(name, model, folder_of(model));
+}
 
 Error CitySource::error(std::string message) const {
   return {ErrorCode::kFormat, std::move(message), path, base_offset};

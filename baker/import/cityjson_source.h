@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <nlohmann/json_fwd.hpp>
@@ -20,7 +21,10 @@ struct CitySource {
   std::string path;
   std::string_view text;         // of the document or line
   std::int64_t base_offset = 0;  // of `text` in the file
+  std::filesystem::path model;   // beside which images lie: `path`, or nothing for a stream
 
+  // What a texture calls `name` (uri.h).
+  [[nodiscard]] Result<std::filesystem::path> image_file(const std::string& name) const;
   [[nodiscard]] Error error(std::string message) const;
   // Names the object and the place of its first mention.
   [[nodiscard]] Error object_error(const std::string& id, const std::string& message) const;

@@ -131,12 +131,6 @@ Status check_required(const json& document, const std::string& path) {
   return {};
 }
 
-Result<std::filesystem::path> external_file(const std::string& uri, const std::filesystem::path& model,
-                                            const std::filesystem::path& root) {
-  if (!root.empty()) return file_of_uri(uri, model, root);
-  return model.parent_path() / percent_decoded(uri);
-}
-
 Status load_buffers(const json& document, std::span<const std::byte> bin, bool is_glb,
                     const std::filesystem::path& root, GltfFile& file) {
   ZC_ASSIGN(const json buffers, object_array(document, "buffers", file.path));
@@ -158,7 +152,7 @@ Status load_buffers(const json& document, std::span<const std::byte> bin, bool i
       if (tinygltf::IsDataURI(text)) {
         if (!decode_data_uri(text, loaded)) return file.error(where + " has a damaged data URI");
       } else {
-        ZC_ASSIGN(const std::filesystem::path beside, external_file(text, file.path, root));
+        ZC_ASSIGN(const std::filesystem::path beside, file_of_uri(text, file.path, root));
         ZC_ASSIGN(loaded, read_file(beside, kMaxBufferBytes));
       }
       if (loaded.size() < length)
@@ -189,7 +183,7 @@ Status check_views(const json& document, const GltfFile& file) {
   return {};
 }
 
-Status read_images(const json& document, const std::filesystem::path& root, GltfFile& file) {
+Status read_images(const json& document, GltfFile& file) {
   ZC_ASSIGN(const json images, object_array(document, "images", file.path));
   for (const json& image : images) {
     GltfImage entry;
@@ -200,7 +194,7 @@ Status read_images(const json& document, const std::filesystem::path& root, Gltf
     } else if (uri != nullptr && uri->is_string()) {
       const std::string& text = uri->get_ref<const std::string&>();
       if (!tinygltf::IsDataURI(text)) {
-        ZC_ASSIGN(entry.file, external_file(text, file.path, root));
+        entry.uri = text;
       } else if (!decode_data_uri(text, entry.embedded)) {
         entry.embedded.clear();
       }
@@ -282,7 +276,7 @@ Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path
     ZC_TRY(load_buffers(document, chunks.bin, is_glb, root, file));
     ZC_TRY(check_views(document, file));
     ZC_TRY(decode_meshopt_views(document, file));
-    ZC_TRY(read_images(document, root, file));
+    ZC_TRY(read_images(document, file));
     ZC_TRY(read_center(document, file));
     text = reduced(document).dump(-1, ' ', false, json::error_handler_t::replace);
   }

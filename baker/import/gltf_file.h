@@ -24,7 +24,7 @@
 namespace zc {
 
 struct GltfImage {
-  std::filesystem::path file;       // external; or empty
+  std::string uri;                  // external; or empty
   int buffer_view = -1;             // embedded bytes; or negative
   std::vector<std::byte> embedded;  // of a data URI
 };
@@ -43,8 +43,8 @@ struct GltfFile {
   [[nodiscard]] Result<std::span<const std::byte>> view(int buffer_view) const;
 };
 
-// `bytes` is the model in the file at `path`, GLB or JSON; external buffers lie beside it, and within `root` unless
-// that is empty. Fails on lengths that disagree with the file and on required extensions that are not handled, named.
+// `bytes` is the model in the file at `path`, GLB or JSON; external buffers lie within `root`. Fails on lengths that
+// disagree with the file and on required extensions that are not handled, named.
 Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path, const std::filesystem::path& root);
 
 // `document` is the file's JSON, checked as far as its buffer views. Fills in decoded_views.

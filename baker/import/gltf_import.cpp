@@ -13,6 +13,7 @@
 
 #include "baker/import/gltf_file.h"
 #include "baker/import/gltf_geometry.h"
+#include "baker/import/uri.h"
 #include "base/text.h"
 
 namespace zc {
@@ -131,8 +132,9 @@ class GltfImport {
     if (mesh_index >= meshes_.size())
       return file_.error("node " + std::to_string(index) + " names mesh " + std::to_string(node.mesh) +
                          ", which does not exist");
-    if (!meshes_[mesh_index]) ZC_TRY(load_mesh(mesh_index));
     const std::string id = node.name.empty() ? "node_" + std::to_string(index) : node.name;
+    builder_.enter_object(id);
+    if (!meshes_[mesh_index]) ZC_TRY(load_mesh(mesh_index));
     const auto instancing = node.extensions.find("EXT_mesh_gpu_instancing");
     if (instancing == node.extensions.end()) return add_object(id, node.mesh, world);
     ZC_ASSIGN(const std::vector<glm::dmat4> places, instances(instancing->second, index));
@@ -322,7 +324,7 @@ class GltfImport {
     const GltfImage& image = file_.images[static_cast<std::size_t>(source)];
     const std::string key =
         file_.path + " byte " + std::to_string(place_.byte_offset) + " image " + std::to_string(source);
-    if (!image.file.empty()) return images_.of_file({}, image.file.string());
+    if (!image.uri.empty()) return images_.of_file(file_of_uri(image.uri, file_.path, place_.root), image.uri);
     if (image.buffer_view < 0) return images_.of_bytes(key, image.embedded);
     const auto bytes = file_.view(image.buffer_view);
     return images_.of_bytes(key, bytes.ok() ? *bytes : std::span<const std::byte>{});

@@ -22,7 +22,7 @@ enum class UpAxis : std::uint8_t { kX, kY, kZ };
 struct GltfPlace {
   glm::dmat4 to_world{1};        // once z is up
   UpAxis up = UpAxis::kY;        // of the model
-  std::filesystem::path root;    // its buffers and images may not lie outside; empty: anywhere
+  std::filesystem::path root;    // its buffers and images may not lie outside
   std::int64_t byte_offset = 0;  // of the model in its file
 };
 

@@ -2,6 +2,8 @@
 #include "baker/import/import.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <new>
 #include <optional>
@@ -16,6 +18,7 @@
 #include "baker/import/scene_builder.h"
 #include "baker/import/texture_images.h"
 #include "baker/import/tileset_import.h"
+#include "baker/import/uri.h"
 #include "base/file.h"
 
 namespace zc {
@@ -37,9 +40,29 @@ bool is_sequence(const std::filesystem::path& path) {
   return path.extension() == ".jsonl";  // a header and nothing else
 }
 
+// A pipe or a device, which can be read but once. Names that lead nowhere are left to who opens them.
+bool is_stream(const std::filesystem::path& input) {
+  std::error_code failure;
+  const std::filesystem::file_status status = std::filesystem::status(input, failure);
+  return std::filesystem::is_fifo(status) || std::filesystem::is_character_file(status) ||
+         std::filesystem::is_socket(status);
+}
+
+Result<std::ifstream> open_stream(const std::filesystem::path& file, const std::string& path) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return Error{ErrorCode::kIo, std::string("cannot open: ") + std::strerror(errno), path};
+  return stream;
+}
+
 Status import_one(const std::filesystem::path& input, std::optional<EarthFrame>& earth, TextureImages& images,
                   SceneBuilder& builder) {
-  const std::string path = input.string();
+  const bool is_standard_input = input == "-";
+  const std::string path = is_standard_input ? "standard input" : input.string();
+  builder.enter_file(path);
+  if (is_standard_input || is_stream(input)) {
+    ZC_ASSIGN(std::ifstream stream, open_stream(is_standard_input ? "/dev/stdin" : input, path));
+    return import_cityjson_seq(stream, path, {}, images, builder);
+  }
   ZC_ASSIGN(const std::uint64_t size, file_size_bytes(input));
   std::vector<std::byte> head(std::min<std::uint64_t>(size, 64));
   ZC_TRY(read_range(input, 0, head));
@@ -47,20 +70,25 @@ Status import_one(const std::filesystem::path& input, std::optional<EarthFrame>&
   const bool is_glb = text.starts_with("glTF");
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   const std::size_t start = text.find_first_not_of(kBlank);
-  if (size == 0) return Error{ErrorCode::kFormat, "file is empty", path};
+  if (size == 0) return Error{ErrorCode::kFormat, "is empty", path};
   const bool is_xml = start != std::string_view::npos && text[start] == '<';
   if (!is_glb && !is_xml && (start == std::string_view::npos || text[start] != '{'))
-    return Error{ErrorCode::kUnsupported,
-                 "is neither glTF, GLB, CityJSON, CityJSONSeq, CityGML nor a 3D Tiles tileset", path, 0};
-  if (!is_glb && !is_xml && is_sequence(input)) return import_cityjson_seq(path, images, builder);
+    return Error{ErrorCode::kUnsupported, "is neither glTF, GLB, CityJSON, CityJSONSeq, CityGML nor a 3D Tiles tileset",
+                 path, 0};
+  if (!is_glb && !is_xml && is_sequence(input)) {
+    ZC_ASSIGN(std::ifstream stream, open_stream(input, path));
+    return import_cityjson_seq(stream, path, input, images, builder);
+  }
 
   ZC_ASSIGN(std::vector<std::byte> bytes, read_file(input, kMaxInputBytes));
+  GltfPlace place;
+  place.root = folder_of(input);
   if (is_xml) return import_citygml(std::move(bytes), path, earth, images, builder);
-  if (is_glb) return import_gltf(std::move(bytes), path, {}, images, builder);
+  if (is_glb) return import_gltf(std::move(bytes), path, place, images, builder);
   text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   if (is_tileset(text)) return import_tileset(text, path, earth, images, builder);
   const bool is_gltf = has_top_level_key(text, "asset") && !has_top_level_key(text, "CityObjects");
-  if (is_gltf) return import_gltf(std::move(bytes), path, {}, images, builder);
+  if (is_gltf) return import_gltf(std::move(bytes), path, place, images, builder);
   return import_cityjson(text, path, images, builder);
 }
 
@@ -75,13 +103,14 @@ Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs) {
     try {
       if (Status status = import_one(input, earth, images, builder); !status.ok()) {
         Error error = std::move(status).error();
-        if (error.path.empty()) error.path = input.string();
+        if (error.path.empty()) error.path = input.empty() ? "''" : input.string();
         return error;
       }
     } catch (const std::bad_alloc&) {
       return Error{ErrorCode::kBudget, "not enough memory to import this file", input.string()};
     }
   }
+  builder.enter_file({});
   images.report(builder);
   Scene scene = builder.finish(images.take());
   if (scene.triangles.empty()) return Error{ErrorCode::kFormat, "has no triangles", inputs.front().string()};

@@ -89,6 +89,7 @@ std::uint16_t SceneBuilder::material(const Material& material) {
 
 Status SceneBuilder::add(const ObjectMesh& mesh) {
   ZC_CHECK(mesh.triangles.size() == mesh.materials.size());
+  enter_object(mesh.id);
   const std::size_t first = scene_.triangles.size();
   // Looked up only, never walked: the order of vertices is the order of first use.
   std::unordered_map<glm::dvec3, std::uint32_t, PositionHash> welded;
@@ -141,8 +142,16 @@ Status SceneBuilder::add(const ObjectMesh& mesh) {
 
 void SceneBuilder::note(const std::string& what, std::uint64_t count) {
   const auto [slot, is_new] = notes_.try_emplace(what, scene_.notes.size());
-  if (is_new) scene_.notes.push_back({what, 0});
+  if (is_new) {
+    scene_.notes.push_back({what, 0});
+    if (!place_.file.empty())
+      scene_.notes.back().names = {place_.file + (place_.object.empty() ? "" : ": '" + place_.object + "'")};
+  }
   scene_.notes[slot->second].count += count;
+}
+
+void SceneBuilder::note_files(const std::string& what, const std::vector<std::string>& names) {
+  if (!names.empty()) scene_.notes.push_back({what, names.size(), names});
 }
 
 Status SceneBuilder::set_crs(const std::string& crs, const std::string& path) {

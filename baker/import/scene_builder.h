@@ -39,7 +39,12 @@ class SceneBuilder {
   std::uint16_t material(const Material& material);
   // Indices in `mesh` must be in range. An object without a usable triangle is left out.
   Status add(const ObjectMesh& mesh);
+  // What is noted next lies in this file, outside any object.
+  void enter_file(const std::string& path) { place_ = {path, {}}; }
+  void enter_object(const std::string& id) { place_.object = id; }
   void note(const std::string& what, std::uint64_t count = 1);
+  // One for each of the files that are named.
+  void note_files(const std::string& what, const std::vector<std::string>& names);
   // Keeps the first system named; fails when `crs` names another one.
   Status set_crs(const std::string& crs, const std::string& path);
   [[nodiscard]] Scene finish(std::vector<TextureImage> images) {
@@ -50,7 +55,12 @@ class SceneBuilder {
  private:
   using TextureKey = std::array<float, 9>;
   using MaterialKey = std::tuple<std::string, float, float, float, float, float, TextureKey>;
+  struct Place {
+    std::string file;
+    std::string object;
+  };
   Scene scene_;
+  Place place_;
   std::map<MaterialKey, std::uint16_t> materials_;
   std::map<std::string, std::size_t> notes_;
 };

@@ -45,10 +45,6 @@ std::optional<TextureImage> decode(std::span<const std::byte> encoded) {
 
 }  // namespace
 
-void TextureImages::Tally::add(const std::string& name) {
-  if (count++ == 0) first = name;
-}
-
 std::optional<LoadedImage> TextureImages::add(std::span<const std::byte> encoded) {
   std::optional<TextureImage> image = decode(encoded);
   if (!image) return std::nullopt;
@@ -69,17 +65,20 @@ std::optional<LoadedImage> TextureImages::add(std::span<const std::byte> encoded
   return LoadedImage{static_cast<std::uint32_t>(images_.size() - 1), images_.back().mean};
 }
 
-std::optional<LoadedImage> TextureImages::of_file(const std::filesystem::path& folder, const std::string& name) {
-  const std::filesystem::path file = folder / name;
-  const auto [slot, is_new] = known_.try_emplace(file.string());
+std::optional<LoadedImage> TextureImages::of_file(const Result<std::filesystem::path>& file, const std::string& name) {
+  const auto [slot, is_new] = known_.try_emplace(file.ok() ? file->string() : file.error().describe());
   if (!is_new) return slot->second;
-  const auto bytes = read_file(file, kMaxImageBytes);
+  if (!file.ok()) {
+    outside_.push_back(name);
+    return std::nullopt;
+  }
+  const auto bytes = read_file(*file, kMaxImageBytes);
   if (!bytes.ok()) {
-    missing_.add(name);
+    missing_.push_back(name);
     return std::nullopt;
   }
   slot->second = add(*bytes);
-  if (!slot->second) unreadable_.add(name);
+  if (!slot->second) unreadable_.push_back(name);
   return slot->second;
 }
 
@@ -87,17 +86,15 @@ std::optional<LoadedImage> TextureImages::of_bytes(const std::string& key, std::
   const auto [slot, is_new] = known_.try_emplace(key);
   if (!is_new) return slot->second;
   slot->second = add(encoded);
-  if (!slot->second) unreadable_.add(key);
+  if (!slot->second) unreadable_.push_back(key);
   return slot->second;
 }
 
 void TextureImages::report(SceneBuilder& builder) const {
-  if (missing_.count > 0)
-    builder.note("missing texture images (first: " + missing_.first + "), plain colours used", missing_.count);
-  if (unreadable_.count > 0)
-    builder.note("texture images that are neither JPEG nor PNG or are damaged (first: " + unreadable_.first +
-                     "), plain colours used",
-                 unreadable_.count);
+  builder.note_files("missing texture images, plain colours used", missing_);
+  builder.note_files("texture images that lie outside the folder of their input, not read, plain colours used",
+                     outside_);
+  builder.note_files("texture images that are neither JPEG nor PNG or are damaged, plain colours used", unreadable_);
   if (dropped_levels_ > 0)
     builder.note("finest levels of every texture image left out, to bound memory", dropped_levels_);
 }

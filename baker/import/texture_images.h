@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Texture images (JPEG, PNG) of the inputs, each decoded once. An image that is missing or does not decode is no error:
-// it is counted and the caller uses its plain colour.
+// Texture images (JPEG, PNG) of the inputs, each decoded once. An image that is missing, does not decode or may not be
+// read is no error: it is named in the notes and the caller uses its plain colour.
 // Owns the images. Untrusted input. Not thread-safe.
 #pragma once
 
@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "baker/texture_image.h"
+#include "base/result.h"
 
 namespace zc {
 
@@ -26,27 +27,23 @@ struct LoadedImage {
 
 class TextureImages {
  public:
-  // `name` is how the model calls the image, `folder` where the model lies.
-  std::optional<LoadedImage> of_file(const std::filesystem::path& folder, const std::string& name);
+  // `file` is where the image lies, or why it is not read (uri.h); `name` is how the model calls it.
+  std::optional<LoadedImage> of_file(const Result<std::filesystem::path>& file, const std::string& name);
   // `key` tells images within models apart.
   std::optional<LoadedImage> of_bytes(const std::string& key, std::span<const std::byte> encoded);
   void report(SceneBuilder& builder) const;
   [[nodiscard]] std::vector<TextureImage> take() { return std::move(images_); }
 
  private:
-  struct Tally {
-    std::uint64_t count = 0;
-    std::string first;
-    void add(const std::string& name);
-  };
   std::optional<LoadedImage> add(std::span<const std::byte> encoded);
 
   std::map<std::string, std::optional<LoadedImage>> known_;
   std::vector<TextureImage> images_;
   std::uint64_t texels_ = 0;
   std::uint32_t dropped_levels_ = 0;  // of every image, so that all fit
-  Tally missing_;
-  Tally unreadable_;
+  std::vector<std::string> missing_;
+  std::vector<std::string> outside_;
+  std::vector<std::string> unreadable_;
 };
 
 }  // namespace zc

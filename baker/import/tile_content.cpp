@@ -144,6 +144,7 @@ Status import_tile_content(const std::filesystem::path& file, const GltfPlace& p
                            SceneBuilder& builder) {
   ZC_ASSIGN(const std::vector<std::byte> bytes, read_file(file, kMaxContentBytes));
   const std::string path = file.string();
+  builder.enter_file(path);
   return TileContent(path, place, images, builder).add(bytes, 0);
 }
 

@@ -44,7 +44,7 @@ struct PlacedContent {
 // Finds the contents to show and where the tileset is on the earth, before any is read.
 class TilesetWalk {
  public:
-  explicit TilesetWalk(const std::filesystem::path& path) : root_(path.has_parent_path() ? path.parent_path() : ".") {}
+  explicit TilesetWalk(const std::filesystem::path& path) : root_(folder_of(path)) {}
 
   Status visit_tileset(std::string_view text, const std::filesystem::path& path, const glm::dmat4& transform) {
     if (std::find(open_.begin(), open_.end(), path) != open_.end())

@@ -17,8 +17,6 @@ bool has_scheme(std::string_view uri) {
                      [](unsigned char c) { return std::isalnum(c) != 0 || c == '+' || c == '-' || c == '.'; });
 }
 
-}  // namespace
-
 std::string percent_decoded(std::string_view uri) {
   const auto digit = [](char c) {
     if (c >= '0' && c <= '9') return c - '0';
@@ -37,19 +35,35 @@ std::string percent_decoded(std::string_view uri) {
   return text;
 }
 
+Error refused(std::string_view name, const char* cause, const std::filesystem::path& from) {
+  return {ErrorCode::kUnsupported, "'" + one_line(name) + "' " + cause, from.string()};
+}
+
+}  // namespace
+
+std::filesystem::path folder_of(const std::filesystem::path& input) {
+  return input.has_parent_path() ? input.parent_path() : ".";
+}
+
+Result<std::filesystem::path> file_of_name(const std::string& name, const std::filesystem::path& from,
+                                           const std::filesystem::path& root) {
+  const std::filesystem::path path = name;
+  if (name.empty() || name.find('\0') != std::string::npos) return refused(name, "names no file", from);
+  if (path.is_absolute()) return refused(name, "is an absolute path: only relative ones are read", from);
+  const std::filesystem::path file = (from.parent_path() / path).lexically_normal();
+  const std::filesystem::path inside = file.lexically_relative(root.lexically_normal());
+  if (inside.empty() || *inside.begin() == "..") return refused(name, "leads out of the folder of the input", from);
+  return file;
+}
+
 Result<std::filesystem::path> file_of_uri(std::string_view uri, const std::filesystem::path& from,
                                           const std::filesystem::path& root) {
-  const auto refused = [&](const char* cause) {
-    return Error{ErrorCode::kUnsupported, "'" + one_line(uri) + "' " + cause, from.string()};
-  };
-  if (has_scheme(uri)) return refused("is no file beside the model: only relative URIs are read");
-  const std::filesystem::path name = percent_decoded(uri.substr(0, uri.find_first_of("?#")));
-  if (name.empty() || name.native().find('\0') != std::string::npos) return refused("names no file");
-  if (name.is_absolute()) return refused("is an absolute path: only relative URIs are read");
-  const std::filesystem::path file = (from.parent_path() / name).lexically_normal();
-  const std::filesystem::path inside = file.lexically_relative(root.lexically_normal());
-  if (inside.empty() || *inside.begin() == "..") return refused("leads out of the folder of the input");
-  return file;
+  if (has_scheme(uri)) return refused(uri, "is no file beside the model: only relative URIs are read", from);
+  const std::string_view path = uri.substr(0, uri.find_first_of("?#"));
+  const std::string name = percent_decoded(path);
+  if (std::count(name.begin(), name.end(), '/') != std::count(path.begin(), path.end(), '/'))
+    return refused(uri, "hides a separator", from);
+  return file_of_name(name, from, root);
 }
 
 }  // namespace zc

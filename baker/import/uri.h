@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Relative URIs (RFC 3986) by which models name the files that they are made of. Untrusted input.
-// Thread-safe: no state.
+// The files that a model is made of, by the relative paths or URIs (RFC 3986) that it names them by: none lies outside
+// the folder of the input. Names alone are compared: links are followed where they lead. Untrusted input. Thread-safe:
+// no state.
 #pragma once
 
 #include <filesystem>
@@ -11,10 +12,14 @@
 
 namespace zc {
 
-std::string percent_decoded(std::string_view uri);
+// The folder that an input's files lie in, "." for a bare name.
+std::filesystem::path folder_of(const std::filesystem::path& input);
 
-// The file that `uri`, found in the file `from`, names; its query and fragment are dropped. Compares names alone: links
-// are followed where they lead. Fails on schemes, on absolute paths and on paths that lead out of the folder `root`.
+// The file that the model `from` calls `name`, a path. Fails on absolute paths and on those that lead out of `root`.
+Result<std::filesystem::path> file_of_name(const std::string& name, const std::filesystem::path& from,
+                                           const std::filesystem::path& root);
+
+// Likewise by a URI, without its query and fragment. Fails too on schemes and on separators written as %2F.
 Result<std::filesystem::path> file_of_uri(std::string_view uri, const std::filesystem::path& from,
                                           const std::filesystem::path& root);
 

@@ -3,12 +3,55 @@
 
 import copy
 import json
+import os
 import shutil
+import subprocess
 
 import support
 
 ARGUMENTS = 2
 FAILURE = 1
+
+
+class PipedModels(support.Case):
+    @classmethod
+    def prepare(cls):
+        city = support.write_small_city(cls.folder / "city.json", blocks=2)
+        header = {**city, "CityObjects": {}, "vertices": []}
+        lines = [header] + [{"type": "CityJSONFeature", "id": key, "CityObjects": {key: value},
+                             "vertices": city["vertices"]} for key, value in city["CityObjects"].items()]
+        cls.lines = "".join(json.dumps(line) + "\n" for line in lines)
+        (cls.folder / "city.jsonl").write_text(cls.lines)
+        cls.zonecast("bake", "--no-light", cls.folder / "city.jsonl", "-o", cls.folder / "from_file")
+
+    def pipe(self, text, *words):
+        """A bake of what comes through standard input."""
+        return subprocess.run([support.BINARY, "bake", "--no-light", *map(str, words)], input=text, check=False,
+                              capture_output=True, timeout=240)
+
+    def test_a_sequence_from_a_pipe_is_the_same_world(self):
+        world = self.folder / "from_file"
+        for name in ("-", "/dev/stdin"):
+            with self.subTest(name=name):
+                done = self.pipe(self.lines.encode(), name, "-o", self.folder / "piped")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual((self.folder / "piped" / "world.zcw").read_bytes(), (world / "world.zcw").read_bytes())
+        fifo = self.folder / "fifo"
+        os.mkfifo(fifo)
+        with subprocess.Popen([support.BINARY, "bake", "--no-light", str(fifo), "-o", str(self.folder / "piped")],
+                              stdout=subprocess.DEVNULL) as bake:
+            fifo.write_text(self.lines)
+            self.assertEqual(bake.wait(timeout=240), 0)
+        self.assertEqual((self.folder / "piped" / "world.zcw").read_bytes(), (world / "world.zcw").read_bytes())
+
+    def test_other_formats_from_a_pipe_are_one_line(self):
+        indented = json.dumps(json.loads((self.folder / "city.json").read_text()), indent=1)
+        for text in (b"", b"glTF\2\0\0\0", b"<CityModel/>", indented.encode(), self.lines.encode()[:-20]):
+            with self.subTest(text=text[:10]):
+                done = self.pipe(text, "-", "-o", self.folder / "none")
+                self.assertEqual(done.returncode, FAILURE)
+                self.assertRegex(done.stderr.decode(), r"^zonecast: standard input: [^\n]*\n$")
+                self.assertFalse((self.folder / "none").exists())
 
 
 class BadModels(support.Case):
@@ -73,6 +116,26 @@ class BadModels(support.Case):
                                ("brackets", "{" + "[" * 100_000), ("bytes", b'{"type": "CityJSON\xff\xfe')):
             with self.subTest(cause=cause):
                 self.refuse("malformed.json", content)
+
+    def test_names_in_files_do_not_reach_the_terminal(self):
+        city = copy.deepcopy(self.city)
+        name = "a\nb\x1b[31m" + "x" * 5000
+        city["CityObjects"][name] = city["CityObjects"].pop("house_1_0")
+        city["CityObjects"][name]["geometry"][0]["boundaries"][0][0][0][1] = 2**31
+        self.refuse("names.json", json.dumps(city), "xxx")
+        city = copy.deepcopy(self.city)
+        house = city["CityObjects"]["house_1_0"]["geometry"][0]
+        house["texture"] = {"t": {"values": [[[[0, 0, 0, 0, 0, 0]]] * len(house["boundaries"][0])]}}
+        city["appearance"] = {"textures": [{"image": name}], "vertices-texture": [[0, 0]]}
+        (self.folder / "names.json").write_text(json.dumps(city))
+        done = self.run_zonecast("bake", "--no-light", self.folder / "names.json", "-o", self.folder / "named")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue(all(line.startswith("zonecast: info: ") for line in done.stderr.splitlines()), done.stderr)
+        self.assertIn("a\\nb\\x1b[31mxxx", done.stderr)
+        self.assertNotIn("\x1b", done.stderr)
+        self.assertLess(max(map(len, done.stderr.splitlines())), 700)
+        notes = json.loads((self.folder / "named" / "bake.json").read_text())["notes"]
+        self.assertIn([name], [note.get("names") for note in notes])
 
     def test_nothing_to_bake(self):
         self.refuse("nothing.json", json.dumps({**self.city, "CityObjects": {}}))

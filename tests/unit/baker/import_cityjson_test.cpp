@@ -77,6 +77,7 @@ TEST_F(CityJson, CrossingAndFlatPolygonsAreCountedNotFatal) {
   ASSERT_TRUE(scene.ok()) << scene.error().describe();
   expect_whole(*scene);
   EXPECT_EQ(noted(*scene, "without area"), 4U);
+  EXPECT_EQ(scene->notes[0].names, std::vector{(folder_ / "odd.json").string() + ": 'a'"});
   EXPECT_EQ(noted(*scene, "crossing rings"), 1U);
 }
 
@@ -243,6 +244,30 @@ TEST_F(CityJson, TextureCoordinatesFollowTheirRings) {
     EXPECT_TRUE(huge->texcoords.empty()) << u;
     EXPECT_EQ(noted(*huge, "not finite or beyond 2^24"), 1U) << u;
   }
+}
+
+TEST_F(CityJson, NoImageIsReadOutsideTheFolderAndAllAreNamed) {
+  std::filesystem::create_directories(folder_ / "in");
+  write("secret.png", "no image, but it would be opened");
+  const std::string names = R"({"image":"../secret.png"},{"image":")" + (folder_ / "secret.png").string() +
+                            R"("},{"image":"../secret.png\u0000.jpg"},{"image":"gone.png"},{"image":"a/gone.png"})";
+  std::string rings;
+  std::string values;
+  for (int i = 0; i < 10; ++i) {
+    rings += std::string(i > 0 ? "," : "") + "[[0,1,2]]";
+    values += std::string(i > 0 ? "," : "") + "[[" + std::to_string(i % 5) + ",0,0,0]]";
+  }
+  const auto scene = import(
+      write("in/city.json",
+            document(R"("a":{"type":"Building","geometry":[{"type":"MultiSurface","lod":"2","boundaries":[)" + rings +
+                         R"(],"texture":{"t":{"values":[)" + values + "]}}}]}",
+                     kCubeVertices, R"("appearance":{"textures":[)" + names + R"(],"vertices-texture":[[0,0]]},)")));
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  ASSERT_EQ(scene->notes.size(), 2U);
+  EXPECT_EQ(noted(*scene, "missing texture images"), 2U);
+  EXPECT_EQ(scene->notes[0].names, (std::vector<std::string>{"gone.png", "a/gone.png"}));
+  EXPECT_EQ(noted(*scene, "outside the folder"), 3U);
+  EXPECT_EQ(scene->notes[1].names[0], "../secret.png");
 }
 
 TEST_F(CityJson, GeometryTemplatesArePlacedAtTheirReferencePoint) {

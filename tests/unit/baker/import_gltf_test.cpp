@@ -241,6 +241,37 @@ TEST_F(Gltf, ExternalBuffersAreReadAndMissingImagesNoted) {
   EXPECT_FALSE(import(folder_ / "model.gltf").ok());
 }
 
+TEST_F(Gltf, NoUriLeadsOutOfTheFolder) {
+  std::filesystem::create_directories(folder_ / "in/a");
+  write("secret.bin", triangle_bin());
+  write("in/a/secret.bin", triangle_bin());
+  const auto with_buffer = [&](const std::string& uri) {
+    std::string json = triangle_json();
+    json.replace(json.find(R"([{"byteLength":42}])"), 19, R"([{"byteLength":42,"uri":")" + uri + R"("}])");
+    return import(write("in/model.gltf", json));
+  };
+  EXPECT_TRUE(with_buffer("a/../a/secret.bin").ok());
+  for (const std::string& uri :
+       {std::string("../secret.bin"), (folder_ / "secret.bin").string(), (folder_ / "in/a/secret.bin").string(),
+        std::string("%2e%2e/secret.bin"), std::string("..%2fsecret.bin"), std::string("a%2Fsecret.bin"),
+        std::string("a/secret.bin%00"), "file://" + (folder_ / "secret.bin").string()}) {
+    const auto scene = with_buffer(uri);
+    ASSERT_FALSE(scene.ok()) << uri;
+    EXPECT_EQ(scene.error().code, ErrorCode::kUnsupported) << scene.error().describe();
+  }
+  // An image there is like a missing one.
+  for (const std::string& uri : {std::string("../secret.bin"), (folder_ / "secret.bin").string()}) {
+    std::string json =
+        triangle_json(R"("mesh":0)", R"("images":[{"uri":")" + uri + R"("}],"textures":[{"source":0}],)");
+    json.replace(json.find(R"("metallicFactor")"), 0, R"("baseColorTexture":{"index":0},)");
+    const auto scene = import(write("in/painted.glb", glb(json, triangle_bin())));
+    ASSERT_TRUE(scene.ok()) << scene.error().describe();
+    ASSERT_EQ(scene->notes.size(), 1U);
+    EXPECT_EQ(noted(*scene, "outside the folder"), 1U);
+    EXPECT_EQ(scene->notes[0].names, std::vector{uri});
+  }
+}
+
 TEST_F(Gltf, TextureColourIsTheMeanInLinearLight) {
   // A black and a white pixel: 0.5 in linear light, 0.21 if the mean were taken of the stored values.
   const std::string png =
