@@ -9,6 +9,7 @@
 #include "replay/units.h"
 #include "replay/world_option.h"
 #include "replay/world_report.h"
+#include "replay/world_tour.h"
 #include "streamer/index_file.h"
 
 namespace zc {
@@ -20,9 +21,11 @@ struct Arguments {
   bool verify = false;
 };
 
-void print_table(const nlohmann::ordered_json& json) {
+void print_table(const nlohmann::ordered_json& json, const WorldIndex& index) {
   std::cout << json["zones"] << " zones, " << json["nodes"] << " nodes, " << json["source_triangles"]
             << " source triangles\n"
+            << "bounds: " << describe_bounds(index) << "\n"
+            << "CRS: " << (index.crs.empty() ? "none was named" : json["crs"].dump()) << "\n"
             << "resident when all is loaded: " << format_bytes(json["decoded_bytes"]) << ", smallest cap "
             << format_bytes(json["smallest_cap_bytes"]) << "\n"
             << "on disk: glb " << format_bytes(json["disk_bytes"]["glb"]) << ", zbvh "
@@ -69,7 +72,7 @@ Status run(const Arguments& arguments) {
   if (arguments.json) {
     std::cout << json.dump(2) << '\n';
   } else {
-    print_table(json);
+    print_table(json, index);
     if (arguments.verify)
       std::cout << "\nverified " << index.nodes.size() << " nodes, " << json["verified"]["failures"] << " failures\n";
   }
@@ -80,7 +83,7 @@ Status run(const Arguments& arguments) {
 
 void add_inspect(CLI::App& app, const SetCommand& set) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("inspect", "Show what a world holds: zones, levels, bytes, errors");
+  CLI::App* command = app.add_subcommand("inspect", "Show what a world holds: bounds, zones, levels, bytes, errors");
   add_world_option(*command, arguments->world);
   command->add_flag("--json", arguments->json, "Print JSON");
   command->add_flag("--verify", arguments->verify, "Read, decode and check every page; exit 1 when one fails");

@@ -145,14 +145,13 @@ void add_replay(CLI::App& app, const SetCommand& set) {
   command
       ->add_option(
           "--path", a->paths,
-          "Camera path (CSV) or still views (shots.json). More than once: that many cameras under one cap, all "
-          "at the times of the first; pictures of the second go to camera_1, and so on")
-      ->required()
+          "Camera path (CSV) or still views (shots.json) [a flight over the world]. More than once: that many cameras "
+          "under one cap, all at the times of the first; pictures of the second go to camera_1, and so on")
       ->expected(1)
       ->take_all();
   command->add_option("--cap", a->cap, "Hard cap on everything the streamer holds, e.g. 64MiB")->required();
   command->add_option("-o,--output", a->out, "Folder for frames, stats.json and frames.csv");
-  command->add_option("--frames", a->frames, "Path samples A (inclusive) to B (exclusive): A:B or A:B:STEP");
+  command->add_option("--frames", a->frames, "Path samples A (inclusive) to B (exclusive): A:B, A:B:STEP or all");
   command->add_option("--size", a->size, "Picture size")->capture_default_str();
   command->add_flag("--no-render", a->no_render, "Page only: no device, no pictures");
   command

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,11 +19,12 @@ namespace zc {
 struct CompareOptions {
   std::filesystem::path world;
   SourceOptions source;
-  CameraPath path;
-  FrameRange frames;
+  CameraPath path;                   // empty: tour_of() the world
+  std::optional<FrameRange> frames;  // none: eight, spread evenly over the path
   std::filesystem::path out;
   RendererOptions renderer;
   std::optional<SunAngles> sun;
+  std::vector<double> tolerances = {0.002};  // a level each, as a replay would page
   unsigned threads = 2;
   std::string device;
   std::uint64_t budget_bytes = 256ULL << 20U;  // of each level's zones
@@ -31,20 +33,26 @@ struct CompareOptions {
 
 struct ComparedLevel {
   std::string name;
-  double tolerance = 0;
-  std::vector<double> flip;     // mean of each frame
-  std::uint64_t triangles = 0;  // of the zones drawn, all frames together
+  std::optional<double> tolerance;     // of a replay's
+  std::optional<std::uint32_t> depth;  // of a stored one
+  double error_max_m = 0;              // of a stored one: how far its surface is from the source's at most
+  std::vector<double> flip;            // mean of each frame
+  std::uint64_t triangles = 0;         // of the zones drawn, all frames together
   double mean_flip = 0;
+  bool incomplete = false;  // the budget did not hold all of it: coarser where it is far away
 };
 
 struct CompareReport {
   std::vector<std::string> frames;  // names
+  std::size_t blind_frames = 0;     // that do not look at the world
   std::vector<ComparedLevel> levels;
   std::string device;
 };
 
-// Writes `out`/<level>/<frame>.png, `out`/<level>_flip/<frame>.png, `out`/contact_sheet.png (a row a frame: the source,
-// every level, and below it the maps) and `out`/compare.json.
+// Levels: "finest", then what is stored at every coarser depth, "level_D", of which at most eight that are spread
+// evenly; then "tolerance_T". Writes `out`/<level>/<frame>.png, `out`/<level>_flip/<frame>.png, the same of "source",
+// `out`/contact_sheet.png (at most twelve frames, spread evenly) and `out`/compare.json; pictures that an earlier run
+// left there go. Fails before that where no frame looks at the world.
 Result<CompareReport> run_compare(const CompareOptions& options);
 
 }  // namespace zc

@@ -23,26 +23,30 @@ struct Plane {
 // A filter along one axis, odd in length, centre in the middle.
 using Kernel = std::vector<float>;
 
-// Rows and columns beyond the border repeat the last.
+// Rows and columns beyond the border repeat the last. Whole rows at a time, so that compilers use vectors.
 Plane filtered(const Plane& in, const Kernel& along_x, const Kernel& along_y) {
-  const auto pass = [](const Plane& from, const Kernel& kernel, bool vertical) {
-    Plane to{from.width, from.height, std::vector<float>(from.values.size())};
-    const auto radius = static_cast<std::ptrdiff_t>(kernel.size() / 2);
-    const auto w = static_cast<std::ptrdiff_t>(from.width);
-    const auto h = static_cast<std::ptrdiff_t>(from.height);
-    for (std::ptrdiff_t y = 0; y < h; ++y)
-      for (std::ptrdiff_t x = 0; x < w; ++x) {
-        float sum = 0;
-        for (std::ptrdiff_t k = -radius; k <= radius; ++k) {
-          const std::ptrdiff_t at = vertical ? std::clamp<std::ptrdiff_t>(y + k, 0, h - 1) * w + x
-                                             : y * w + std::clamp<std::ptrdiff_t>(x + k, 0, w - 1);
-          sum += kernel[static_cast<std::size_t>(k + radius)] * from.values[static_cast<std::size_t>(at)];
-        }
-        to.values[static_cast<std::size_t>(y * w + x)] = sum;
-      }
-    return to;
+  const auto w = static_cast<std::ptrdiff_t>(in.width);
+  const auto h = static_cast<std::ptrdiff_t>(in.height);
+  const auto add = [w](float* to, float factor, const float* from) {
+    for (std::ptrdiff_t x = 0; x < w; ++x) to[x] += factor * from[x];
   };
-  return pass(pass(in, along_x, false), along_y, true);
+  Plane across{in.width, in.height, std::vector<float>(in.values.size())};
+  const auto radius_x = static_cast<std::ptrdiff_t>(along_x.size() / 2);
+  std::vector<float> padded(in.width + 2 * static_cast<std::size_t>(radius_x));
+  for (std::ptrdiff_t y = 0; y < h; ++y) {
+    const float* row = in.values.data() + y * w;
+    std::fill_n(padded.begin(), radius_x, row[0]);
+    std::copy_n(row, w, padded.begin() + radius_x);
+    std::fill_n(padded.begin() + radius_x + w, radius_x, row[w - 1]);
+    for (std::size_t k = 0; k < along_x.size(); ++k) add(across.values.data() + y * w, along_x[k], padded.data() + k);
+  }
+  Plane out{in.width, in.height, std::vector<float>(in.values.size())};
+  const auto radius_y = static_cast<std::ptrdiff_t>(along_y.size() / 2);
+  for (std::ptrdiff_t y = 0; y < h; ++y)
+    for (std::ptrdiff_t k = -radius_y; k <= radius_y; ++k)
+      add(out.values.data() + y * w, along_y[static_cast<std::size_t>(k + radius_y)],
+          across.values.data() + std::clamp<std::ptrdiff_t>(y + k, 0, h - 1) * w);
+  return out;
 }
 
 float linear_of(std::uint8_t value) {
@@ -239,8 +243,7 @@ double mean_of_flip(const std::vector<float>& map) {
   return map.empty() ? 0 : std::accumulate(map.begin(), map.end(), 0.0) / static_cast<double>(map.size());
 }
 
-Picture flip_picture(const std::vector<float>& map, std::uint32_t width, std::uint32_t height) {
-  // Stops of magma (Smith & van der Walt 2015), evenly spaced.
+Rgb flip_color(float difference) {
   constexpr std::array<std::array<float, 3>, 9> kStops = {{{0, 0, 4},
                                                            {28, 16, 68},
                                                            {79, 18, 123},
@@ -250,14 +253,32 @@ Picture flip_picture(const std::vector<float>& map, std::uint32_t width, std::ui
                                                            {251, 135, 97},
                                                            {254, 194, 135},
                                                            {252, 253, 191}}};
-  Picture out{width, height, std::vector<std::uint8_t>(4 * map.size(), 255)};
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    const float at = std::clamp(map[i], 0.0F, 1.0F) * (kStops.size() - 1);
-    const auto low = std::min(static_cast<std::size_t>(at), kStops.size() - 2);
-    const float part = at - static_cast<float>(low);
-    for (std::size_t c = 0; c < 3; ++c)
-      out.rgba[4 * i + c] =
-          static_cast<std::uint8_t>(kStops[low][c] + (kStops[low + 1][c] - kStops[low][c]) * part + 0.5F);
+  const float at = std::sqrt(std::clamp(difference, 0.0F, 1.0F)) * (kStops.size() - 1);
+  const auto low = std::min(static_cast<std::size_t>(at), kStops.size() - 2);
+  const float part = at - static_cast<float>(low);
+  Rgb out{};
+  for (std::size_t c = 0; c < out.size(); ++c)
+    out[c] = static_cast<std::uint8_t>(kStops[low][c] + (kStops[low + 1][c] - kStops[low][c]) * part + 0.5F);
+  return out;
+}
+
+Picture flip_picture(const std::vector<float>& map, std::uint32_t width, std::uint32_t height,
+                     std::uint32_t shown_width) {
+  shown_width = std::min(shown_width, width);
+  const std::uint32_t shown_height = std::max(1U, height * shown_width / width);
+  Picture out{shown_width, shown_height, std::vector<std::uint8_t>(std::size_t{4} * shown_width * shown_height, 255)};
+  for (std::uint32_t y = 0; y < shown_height; ++y) {
+    const std::uint32_t y0 = y * height / shown_height;
+    const std::uint32_t y1 = std::max(y0 + 1, (y + 1) * height / shown_height);
+    for (std::uint32_t x = 0; x < shown_width; ++x) {
+      const std::uint32_t x0 = x * width / shown_width;
+      const std::uint32_t x1 = std::max(x0 + 1, (x + 1) * width / shown_width);
+      float sum = 0;
+      for (std::uint32_t sy = y0; sy < y1; ++sy)
+        for (std::uint32_t sx = x0; sx < x1; ++sx) sum += map[std::size_t{sy} * width + sx];
+      const Rgb color = flip_color(sum / static_cast<float>((y1 - y0) * (x1 - x0)));
+      std::ranges::copy(color, out.rgba.begin() + (std::ptrdiff_t{y} * shown_width + x) * 4);
+    }
   }
   return out;
 }

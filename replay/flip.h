@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "replay/png_file.h"
+#include "replay/drawing.h"
 
 namespace zc {
 
@@ -16,7 +16,12 @@ inline constexpr double kPixelsPerDegree = 67.0206;
 // Per pixel, rows. Both pictures have one size.
 std::vector<float> flip_map(const Picture& reference, const Picture& test, double pixels_per_degree = kPixelsPerDegree);
 double mean_of_flip(const std::vector<float>& map);
-// The map in the colours of magma, dark for no difference.
-Picture flip_picture(const std::vector<float>& map, std::uint32_t width, std::uint32_t height);
+
+// Magma (Smith & van der Walt 2015) at the root of a difference, dark for none: 0.05, which is seen when pictures
+// alternate, has 0.22 of the way to itself.
+Rgb flip_color(float difference);
+// The map in these colours, scaled down to a width by the mean of each box.
+Picture flip_picture(const std::vector<float>& map, std::uint32_t width, std::uint32_t height,
+                     std::uint32_t shown_width);
 
 }  // namespace zc

@@ -7,11 +7,26 @@
 #include <cstdlib>
 #include <memory>
 #include <span>
+#include <string_view>
+#include <system_error>
 
 #include "base/check.h"
 #include "base/file.h"
 
 namespace zc {
+namespace {
+
+constexpr std::string_view kWriter = "zonecast";
+
+// Whether the text that write_png() puts behind the header is there.
+bool written_here(const std::filesystem::path& file) {
+  constexpr std::size_t kSignatureAndHeader = 8 + 25;
+  std::string head(kSignatureAndHeader + 8 + 9 + kWriter.size(), '\0');
+  if (!read_range(file, 0, std::as_writable_bytes(std::span(head)))) return false;
+  return head.ends_with(std::string("tEXtSoftware\0", 13).append(kWriter));
+}
+
+}  // namespace
 
 Status write_png(const std::filesystem::path& file, const Picture& picture) {
   // Frames carry no alpha; RGB files are a quarter smaller.
@@ -25,9 +40,16 @@ Status write_png(const std::filesystem::path& file, const Picture& picture) {
   header.height = picture.height;
   header.bit_depth = 8;
   header.color_type = SPNG_COLOR_TYPE_TRUECOLOR;
+  std::string writer(kWriter);
+  spng_text text{};
+  std::string_view("Software").copy(text.keyword, sizeof(text.keyword) - 1);
+  text.type = SPNG_TEXT;
+  text.text = writer.data();
+  text.length = writer.size();
   int failure = spng_set_option(context.get(), SPNG_ENCODE_TO_BUFFER, 1);
   if (failure == 0) failure = spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, 3);
   if (failure == 0) failure = spng_set_ihdr(context.get(), &header);
+  if (failure == 0) failure = spng_set_text(context.get(), &text, 1);
   if (failure == 0)
     failure = spng_encode_image(context.get(), rgb.data(), rgb.size(), SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE);
   std::size_t bytes = 0;
@@ -36,6 +58,24 @@ Status write_png(const std::filesystem::path& file, const Picture& picture) {
   if (failure != 0)
     return Error{ErrorCode::kIo, std::string("cannot encode PNG: ") + spng_strerror(failure), file.string()};
   return write_file(file, std::span(static_cast<const std::byte*>(encoded.get()), bytes));
+}
+
+Status remove_written_png(const std::filesystem::path& file) {
+  std::error_code code;
+  if (written_here(file) && !std::filesystem::remove(file, code))
+    return Error{ErrorCode::kIo, "an earlier run's picture cannot be removed: " + code.message(), file.string()};
+  return {};
+}
+
+Status remove_written_pngs(const std::filesystem::path& folder) {
+  std::error_code code;
+  std::vector<std::filesystem::path> pictures;
+  for (std::filesystem::directory_iterator at(folder, code); !code && at != std::filesystem::directory_iterator();
+       at.increment(code))
+    if (at->path().extension() == ".png") pictures.push_back(at->path());
+  for (const std::filesystem::path& picture : pictures) ZC_TRY(remove_written_png(picture));
+  if (!pictures.empty()) std::filesystem::remove(folder, code);  // only where nothing else is in it
+  return {};
 }
 
 Picture scale_down(const Picture& picture, std::uint32_t width) {

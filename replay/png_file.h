@@ -16,7 +16,13 @@ struct Picture {
   std::vector<std::uint8_t> rgba;  // sRGB, 4 bytes a pixel, top row first
 };
 
+// Says within the file that this program wrote it.
 Status write_png(const std::filesystem::path& file, const Picture& picture);
+// Removes the file, where write_png() wrote it.
+Status remove_written_png(const std::filesystem::path& file);
+// Removes the pictures in a folder that write_png() wrote, and the folder if nothing else is in it. One that is not
+// there will do.
+Status remove_written_pngs(const std::filesystem::path& folder);
 
 // All pictures on one sheet, `columns` a row, each scaled down by a box filter to tile_width. All pictures have one
 // size.

@@ -17,6 +17,7 @@
 #include "replay/render_setup.h"
 #include "replay/trace_file.h"
 #include "replay/variant_cache.h"
+#include "replay/world_tour.h"
 #include "replay/zone_table.h"
 #include "streamer/belady.h"
 #include "streamer/index_file.h"
@@ -67,7 +68,7 @@ struct Drawing {
 
 class Session {
  public:
-  explicit Session(const ReplayOptions& options) : options_(options) {}
+  explicit Session(const ReplayOptions& options) : options_(options), paths_(options.paths) {}
 
   Result<ReplayReport> run() {
     ZC_ASSIGN(source_, open_source(options_.world, options_.source));
@@ -75,6 +76,9 @@ class Session {
     reset_peak_resident_set();
     report_.baseline_rss_bytes = resident_set_bytes();
     ZC_TRY(open_world());
+    if (paths_.empty()) {
+      ZC_ASSIGN(paths_.emplace_back(), tour_of(*source_, streamer_->index()));
+    }
     ZC_TRY(check_path());
     if (!options_.out.empty()) ZC_TRY(open_files());
     ZC_TRY(replay_frames());
@@ -201,14 +205,21 @@ class Session {
     if (options_.frames.begin >= end)
       return Error{ErrorCode::kArgument,
                    "the path has " + std::to_string(lead().size()) + " samples, none of them in the frames asked for"};
+    const double aspect = static_cast<double>(options_.renderer.width) / options_.renderer.height;
+    bool seen = false;
     for (std::uint64_t frame = options_.frames.begin; frame < end; ++frame) {
-      for (const CameraSample& sample : cameras_of(frame))
+      for (const CameraSample& sample : cameras_of(frame)) {
         if (const auto camera = make_camera(streamer_->index(), sample); !camera) return camera.error();
+        if (!seen) {
+          ZC_ASSIGN(seen, looks_at_world(streamer_->index(), sample, aspect));
+        }
+      }
     }
+    if (!seen) warn(nothing_seen(streamer_->index(), lead()[options_.frames.begin]));
     return {};
   }
 
-  [[nodiscard]] const CameraPath& lead() const { return options_.paths.front(); }
+  [[nodiscard]] const CameraPath& lead() const { return paths_.front(); }
 
   [[nodiscard]] std::uint64_t last_frame() const {  // exclusive
     return std::min<std::uint64_t>(options_.frames.end, lead().size());
@@ -217,8 +228,7 @@ class Session {
   // Every camera in a frame.
   [[nodiscard]] std::vector<CameraSample> cameras_of(std::uint64_t frame) const {
     std::vector<CameraSample> cameras = {lead()[frame]};
-    for (std::size_t c = 1; c < options_.paths.size(); ++c)
-      cameras.push_back(camera_at(options_.paths[c], cameras.front().time_s));
+    for (std::size_t c = 1; c < paths_.size(); ++c) cameras.push_back(camera_at(paths_[c], cameras.front().time_s));
     return cameras;
   }
 
@@ -227,12 +237,24 @@ class Session {
     return camera == 0 ? options_.out : options_.out / ("camera_" + std::to_string(camera));
   }
 
+  // Only what a replay writes, whatever its options.
+  Status remove_earlier_pictures() const {
+    std::error_code code;
+    for (std::size_t c = 0; c == 0 || std::filesystem::is_directory(pictures_of(c), code); ++c) {
+      for (const char* name : {"frames", "provenance", "bvh", "normals", "depth"})
+        ZC_TRY(remove_written_pngs(pictures_of(c) / name));
+      if (c > 0) std::filesystem::remove(pictures_of(c), code);  // where nothing else is in it
+    }
+    return remove_written_png(options_.out / "contact_sheet.png");
+  }
+
   Status open_files() {
     std::vector<std::filesystem::path> folders = {options_.out};
-    for (std::size_t c = 0; options_.render && c < options_.paths.size(); ++c) {
+    for (std::size_t c = 0; options_.render && c < paths_.size(); ++c) {
       folders.push_back(pictures_of(c) / "frames");
       for (const DebugView view : options_.debug_views) folders.push_back(pictures_of(c) / debug_name(view));
     }
+    ZC_TRY(remove_earlier_pictures());
     for (const std::filesystem::path& folder : folders) ZC_TRY(make_folder(folder));
     ZC_ASSIGN(log_, FrameLog::create(options_.out / "frames.csv", options_.render));
     if (options_.trace) {
@@ -283,7 +305,7 @@ class Session {
       } else {
         views.push_back({eye});
         for (std::uint32_t i = 1; i <= kLookAheadViews && options_.look_ahead_s > 0; ++i)
-          views.push_back({eye_at(options_.paths[c], time_s + options_.look_ahead_s * i / kLookAheadViews), i});
+          views.push_back({eye_at(paths_[c], time_s + options_.look_ahead_s * i / kLookAheadViews), i});
       }
     }
     previous_s_ = time_s;
@@ -399,6 +421,7 @@ class Session {
   }
 
   const ReplayOptions& options_;
+  std::vector<CameraPath> paths_;
   ReplayReport report_;
   std::unique_ptr<Source> source_;
   HeapPageSink heap_sink_;

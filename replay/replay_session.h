@@ -34,9 +34,10 @@ enum class Prediction {
 struct ReplayOptions {
   std::filesystem::path world;
   SourceOptions source;
-  // One a camera, at least one. Frames are the first one's samples; the others are where they are at those times.
+  // One a camera; none: one that follows tour_of() the world. Frames are the first one's samples; the others are where
+  // they are at those times.
   std::vector<CameraPath> paths;
-  std::filesystem::path out;  // empty: no files
+  std::filesystem::path out;  // empty: no files; pictures that an earlier run left there go
   StreamerOptions streamer;
   std::uint64_t host_budget_bytes = 256ULL << 20U;  // of the host's full-detail zones, outside the cap
   double look_ahead_s = 2;
@@ -54,7 +55,8 @@ struct ReplayOptions {
   std::filesystem::path variant_cache;  // a file; empty: nothing is read or kept
   std::vector<DebugView> debug_views;
   std::function<void(double fraction, std::string_view stage)> progress;
-  std::function<void(const Error&)> on_failure;  // a page, a kernel, a cache that failed; the replay goes on
+  std::function<void(const Error&)>
+      on_failure;  // a page, a kernel, a cache that failed, a path that sees nothing; the replay goes on
 };
 
 struct RayCounts {

@@ -95,10 +95,11 @@ std::string format_bytes(std::uint64_t bytes) {
 }
 
 Result<FrameRange> parse_frames(const std::string& text) {
+  if (text == "all") return FrameRange{};
   const auto values = parse_list(text, ':');
   if (!values || values->size() < 2 || values->size() > 3 || (*values)[1] <= (*values)[0] ||
       (values->size() == 3 && (*values)[2] == 0))
-    return Error{ErrorCode::kArgument, "'" + text + "' is not a frame range A:B or A:B:STEP with A < B"};
+    return Error{ErrorCode::kArgument, "'" + text + "' is not a frame range A:B or A:B:STEP with A < B, or all"};
   return FrameRange{(*values)[0], (*values)[1], values->size() == 3 ? (*values)[2] : 1};
 }
 

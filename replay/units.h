@@ -21,7 +21,7 @@ struct FrameRange {
   std::uint64_t end = UINT64_MAX;  // exclusive
   std::uint64_t step = 1;
 };
-Result<FrameRange> parse_frames(const std::string& text);  // "A:B" or "A:B:STEP"
+Result<FrameRange> parse_frames(const std::string& text);  // "A:B", "A:B:STEP", "all"
 
 struct PictureSize {
   std::uint32_t width = 1280;

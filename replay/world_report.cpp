@@ -5,6 +5,7 @@
 #include <map>
 
 #include "replay/thesis_table.h"
+#include "replay/world_tour.h"
 #include "shaders/shared/page.h"
 #include "streamer/page_loader.h"
 #include "streamer/streamer.h"
@@ -138,6 +139,9 @@ nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index) {
   json["nodes"] = index.nodes.size();
   json["source_triangles"] = index.header.source_triangles;
   json["crs"] = index.crs;
+  const Bounds bounds = world_bounds(index);
+  json["bounds_m"] = {{"min", {bounds.min.x, bounds.min.y, bounds.min.z}},
+                      {"max", {bounds.max.x, bounds.max.y, bounds.max.z}}};
   json["decoded_bytes"] = decoded;
   json["smallest_cap_bytes"] = smallest_cap_bytes(index);
   json["levels"] = nlohmann::ordered_json::array();

@@ -9,9 +9,7 @@
 #include <glm/trigonometric.hpp>
 
 namespace zc {
-namespace {
 
-// Whether the box lies wholly on the outer side of one of the view's five planes.
 bool outside_view(const RenderCamera& camera, double aspect, const NodeRecord& node) {
   const double tan_y = std::tan(glm::radians(static_cast<double>(camera.fov_y_deg)) / 2);
   const glm::dvec3 right(camera.right);
@@ -31,8 +29,6 @@ bool outside_view(const RenderCamera& camera, double aspect, const NodeRecord& n
   }
   return false;
 }
-
-}  // namespace
 
 Status ZoneTable::update(const View& view) {
   const WorldIndex& index = streamer_.index();

@@ -28,6 +28,9 @@ class GpuPageSink final : public PageSink {
   std::uint32_t max_zones_;
 };
 
+// Whether the node's box lies wholly on the outer side of one of the view's five planes.
+bool outside_view(const RenderCamera& camera, double aspect, const NodeRecord& node);
+
 class ZoneTable {
  public:
   // tolerance: the streamer's; a zone that stands in for a finer one is marked coarse.

@@ -33,7 +33,7 @@ JOINS_BAKER = ("replay/bench_subject.cpp", "replay/bench_subject.h", "replay/bvh
 LIBRARIES = {
     "CGAL/": ("baker",),
     "OpenMesh/": ("baker",),
-    "stb/": ("baker",),
+    "stb/": ("baker", "replay"),
     "tbb/": ("baker", "tests"),
     "tiny_gltf.h": ("baker",),
     "pugixml.hpp": ("baker",),

@@ -7,7 +7,7 @@ packages=(
   cmake ninja-build g++ ccache pkg-config python3
   libcgal-dev libopenmesh-dev libdraco-dev libtinygltf-dev libglm-dev libtbb-dev libboost-dev
   libvulkan-dev mesa-vulkan-drivers vulkan-validationlayers glslang-tools libspirv-cross-c-shared-dev
-  libcli11-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libspng-dev libstb-dev libgtest-dev
+  libcli11-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libspng-dev libstb-dev fonts-dejavu-core libgtest-dev
   libembree-dev libmeshoptimizer-dev libpugixml-dev libminizip-dev libmd-dev libcurl4-openssl-dev libcpp-httplib-dev chromium
 )
 # Whoever has npm, from wherever, has node too.

@@ -55,18 +55,86 @@ class MainJob(support.Case):
     def test_compare_measures_proxies_against_the_detail(self):
         out = self.folder / "compared"
         self.zonecast("compare", self.world, "--path", self.city / "drive.csv", "--frames", "0:600:300",
-                      "--size", f"{SIZE[0]}x{SIZE[1]}", "-o", out)
+                      "--tolerance", "0.002,0.05", "--size", f"{SIZE[0]}x{SIZE[1]}", "-o", out)
         report = json.loads((out / "compare.json").read_text())
         levels = {level["name"]: level for level in report["levels"]}
+        stored = [level for level in report["levels"] if "depth" in level]
+        depths = [level["depth"] for level in json.loads(self.zonecast("inspect", self.world, "--json"))["levels"]
+                  if not level["detail"]]
+        self.assertEqual([level["depth"] for level in stored], sorted(depths, reverse=True))
+        self.assertEqual(list(levels), ["finest", *(f"level_{depth}" for depth in reversed(depths[:-1])),
+                                        "tolerance_0.002", "tolerance_0.05"])
         self.assertLess(levels["finest"]["mean_flip"], MAX_FLIP)
-        self.assertGreater(levels["tolerance_0.05"]["mean_flip"], levels["finest"]["mean_flip"])
-        self.assertLess(levels["tolerance_0.05"]["triangles_per_frame"], levels["finest"]["triangles_per_frame"])
-        columns = 1 + len(levels)
-        width, _, _ = support.read_png(out / "contact_sheet.png")
-        self.assertGreater(width, columns * SIZE[0])
+        for finer, coarser in zip(stored, stored[1:]):
+            self.assertLessEqual(finer["error_m_max"], coarser["error_m_max"])
+            self.assertGreater(finer["triangles_per_frame"], coarser["triangles_per_frame"])
+        for coarse in ("level_0", "tolerance_0.05"):
+            self.assertGreater(levels[coarse]["mean_flip"], levels["finest"]["mean_flip"])
+            self.assertLess(levels[coarse]["triangles_per_frame"], levels["finest"]["triangles_per_frame"])
+        self.assertTrue(all(level["complete"] for level in levels.values()))
+        width, height, _ = support.read_png(out / "contact_sheet.png")
+        self.assertGreater(width, (1 + len(levels)) * SIZE[0])
+        self.assertGreater(height, 4 * SIZE[1])
         for level in levels:
             self.assertEqual(len(list((out / level).glob("*.png"))), 2)
             self.assertEqual(len(list((out / f"{level}_flip").glob("*.png"))), 2)
+
+    def test_compare_needs_nothing_but_a_world(self):
+        """Eight frames of a flight over it; pictures of an earlier run go, and nothing else does."""
+        out = self.folder / "toured"
+        for name in ("source", "level_7"):
+            (out / name).mkdir(parents=True)
+            support.write_png(out / name / "000000.png", 1, 1, b"abc")
+        done = self.run_zonecast("compare", self.world, "--size", "64x36", "-o", out)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("8 frames", done.stdout)
+        self.zonecast("compare", self.world, "--size", "64x36", "--tolerance", "0.1", "--frames", "0:2", "-o", out)
+        self.assertEqual(json.loads((out / "compare.json").read_text())["frames"], ["000000", "000001"])
+        self.assertEqual(sorted(path.name for path in (out / "finest").iterdir()), ["000000.png", "000001.png"])
+        self.assertFalse((out / "tolerance_0.002").exists())
+        self.assertTrue((out / "level_7" / "000000.png").exists(), "another program's picture was removed")
+
+    def test_a_path_that_misses_the_world_is_told_of(self):
+        path = self.folder / "astray.csv"
+        support.write_path(path, [(i, (90000, 450000 + i, 2), (90010, 450000, 2)) for i in range(3)])
+        out = self.folder / "astray"
+        self.assert_refused(["compare", self.world, "--path", path, "-o", out], 2, "no camera of the path looks at",
+                            "the first is at 90000.0, 450000.0, 2.0", "the world at x ")
+        done = self.run_zonecast("replay", self.world, "--path", path, "--cap", "16MiB", "--no-render")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        self.assertIn("no camera of the path looks at the world", done.stderr)
+        some = self.folder / "some.csv"
+        lines = path.read_text().splitlines() + (self.city / "drive.csv").read_text().splitlines()[1:2]
+        lines[-1] = "9," + lines[-1].split(",", 1)[1]
+        some.write_text("\n".join(lines))
+        done = self.run_zonecast("compare", self.world, "--path", some, "--size", "64x36", "-o", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("3 of 4 frames do not look at the world", done.stderr)
+
+    def test_replay_needs_no_path_and_removes_its_earlier_pictures(self):
+        out = self.folder / "flown"
+        (out / "frames").mkdir(parents=True)
+        support.write_png(out / "frames" / "mine.png", 1, 1, b"abc")
+        for frames, more in (("0:600:200", ["--debug-views", "depth", "--contact-sheet"]), ("0:600:300", [])):
+            self.zonecast("replay", self.world, "--cap", "16MiB", "--size", "64x36", "--frames", frames, "-o", out,
+                          *more)
+        self.assertEqual(sorted(path.name for path in (out / "frames").iterdir()),
+                         ["000000.png", "000300.png", "mine.png"])
+        self.assertEqual(sorted(path.name for path in out.iterdir()), ["frames", "frames.csv", "stats.json"])
+
+    def test_inspect_says_where_the_world_lies(self):
+        report = json.loads(self.zonecast("inspect", self.world, "--json"))
+        low, high = report["bounds_m"]["min"], report["bounds_m"]["max"]
+        with (self.city / "drive.csv").open() as file:
+            for row in csv.DictReader(file):
+                for axis, name in enumerate("xyz"):
+                    self.assertTrue(low[axis] - 5 < float(row[f"eye_{name}"]) < high[axis] + 5)
+        shown = self.zonecast("inspect", self.world)
+        self.assertIn(f"bounds: x {low[0]:.1f} to {high[0]:.1f}, y {low[1]:.1f} to {high[1]:.1f}, ", shown)
+        self.assertIn("CRS: none was named\n", shown)
+        self.bake_small_city(self.folder / "small")
+        self.assertIn("/EPSG/0/25832\"\n", self.zonecast("inspect", self.folder / "small"))
 
     def test_inspect_tells_everything_that_scripts_rely_on(self):
         text = self.zonecast("inspect", self.world, "--json", "--verify")

@@ -5,7 +5,9 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "base/file.h"
 #include "replay/png_file.h"
@@ -75,6 +77,34 @@ TEST_F(PngFile, AFolderThatIsMissingIsNamed) {
   const Status status = write_png(file, gradient(8, 8));
   ASSERT_FALSE(status.ok());
   EXPECT_EQ(status.error().path, file.string());
+}
+
+TEST_F(PngFile, OnlyWhatThisProgramWroteIsRemoved) {
+  const std::filesystem::path pictures = folder_ / "frames";
+  EXPECT_TRUE(remove_written_pngs(pictures).ok());  // none there
+  ASSERT_TRUE(make_folder(pictures).ok());
+  const auto write = [&](const std::string& name, std::span<const std::byte> bytes) {
+    ASSERT_TRUE(write_file(pictures / name, bytes).ok());
+  };
+  ASSERT_TRUE(write_png(pictures / "000000.png", gradient(64, 64)).ok());
+  ASSERT_TRUE(write_png(pictures / "plaza.png", gradient(8, 8)).ok());
+  const std::vector<std::byte> ours = read_file(pictures / "plaza.png", 1 << 20).value();
+  write("plaza.txt", ours);
+  write("empty.png", {});
+  std::vector<std::byte> others = ours;
+  others[33 + 8 + 9] = std::byte{'Z'};  // the writer's name
+  write("others.png", others);
+  ASSERT_TRUE(make_folder(pictures / "folder.png").ok());
+  ASSERT_TRUE(remove_written_pngs(pictures).ok());
+  EXPECT_FALSE(std::filesystem::exists(pictures / "000000.png"));
+  EXPECT_FALSE(std::filesystem::exists(pictures / "plaza.png"));
+  for (const char* kept : {"plaza.txt", "empty.png", "others.png", "folder.png"})
+    EXPECT_TRUE(std::filesystem::exists(pictures / kept)) << kept;
+
+  ASSERT_TRUE(make_folder(folder_ / "alone").ok());
+  ASSERT_TRUE(write_png(folder_ / "alone" / "a.png", gradient(8, 8)).ok());
+  ASSERT_TRUE(remove_written_pngs(folder_ / "alone").ok());
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "alone"));
 }
 
 TEST(ScaleDown, AveragesBoxesAndKeepsTheShape) {

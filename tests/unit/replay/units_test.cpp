@@ -49,6 +49,11 @@ TEST(Units, FrameRangesAreHalfOpenAndNeverEmpty) {
   const auto three = parse_frames("0:600:5");
   ASSERT_TRUE(three.ok());
   EXPECT_EQ(three->step, 5U);
+  const auto all = parse_frames("all");
+  ASSERT_TRUE(all.ok());
+  EXPECT_EQ(all->begin, 0U);
+  EXPECT_EQ(all->end, UINT64_MAX);
+  EXPECT_EQ(all->step, 1U);
   for (const char* text : {"", ":", "3", "3:", ":3", "5:2", "5:5", "0:4:0", "0:4:1:1", "-1:4", "0:4 ", " 0:4", "a:b",
                            "0:99999999999999999999", "0:9007199254740993", "1.5:3"})
     EXPECT_FALSE(parse_frames(text).ok()) << text;
