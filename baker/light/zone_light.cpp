@@ -23,10 +23,10 @@ constexpr std::size_t kRays = 48;
 constexpr float kInset = 1.0F / 6;
 // Corners at one point share their samples when their normals are closer than this.
 constexpr float kSmoothCosine = 0.94F;
-constexpr int kBounceRounds = 6;
+constexpr int kBounceRounds = 24;
 // Corners lie where other things begin: of a triangle longer than this, bounced light is looked at all over it.
 constexpr float kBounceSpacingM = 1.5F;
-constexpr int kBounceMaxRows = 2;
+constexpr int kBounceMaxRows = 4;
 // A surface this close to a proxy is what it stands for, whichever way it faces.
 constexpr float kSameSurfaceM = 0.1F;
 // For the sun, a triangle is looked at so densely, of a coarse proxy half as densely as it is exact: no shadow that is
@@ -246,21 +246,27 @@ class ZoneLight {
     }
   }
 
-  // A triangle has one bounced light for all of it: evened out along the surface, so that no edge shows.
+  // Corners know the light at themselves; of large triangles it is what the light is all over them that counts, shared
+  // among the corners by how near they are. A triangle has one bounced light for all of it: evened out along the
+  // surface, so that no edge shows.
   void spread_bounce() {
     for (int round = 0; round < kBounceRounds; ++round) {
       std::vector<Received> next(groups_.size());
       std::vector<float> areas(groups_.size());
+      std::vector<float> skies(groups_.size());
       for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-        const Received mean = round == 0 ? look_over(t) : mean_of(t);
+        const std::array<std::uint32_t, 3> corner = {group_[3 * t], group_[3 * t + 1], group_[3 * t + 2]};
+        std::array<float, 3> sky = {groups_[corner[0]].sky, groups_[corner[1]].sky, groups_[corner[2]].sky};
+        const Received mean = round == 0 ? look_over(t, sky) : mean_of(t);
         for (std::size_t k = 0; k < 3; ++k) {
-          next[group_[3 * t + k]].add(mean, areas_[t]);
-          areas[group_[3 * t + k]] += areas_[t];
+          next[corner[k]].add(mean, areas_[t]);
+          areas[corner[k]] += areas_[t];
+          skies[corner[k]] += sky[k] * areas_[t];
         }
       }
       for (std::size_t g = 0; g < groups_.size(); ++g) {
         next[g].scale(1 / areas[g]);
-        next[g].sky = groups_[g].sky;
+        next[g].sky = round == 0 ? skies[g] / areas[g] : groups_[g].sky;
       }
       groups_ = std::move(next);
     }
@@ -278,17 +284,25 @@ class ZoneLight {
                      glm::distance(points_[v[2]], points_[v[0]])});
   }
 
-  [[nodiscard]] Received look_over(std::size_t t) const {
+  // `sky`: at the corners, in and out.
+  [[nodiscard]] Received look_over(std::size_t t, std::array<float, 3>& sky) const {
     const int rows = std::min(static_cast<int>(longest_edge(t) / kBounceSpacingM), kBounceMaxRows);
     if (rows == 0) return mean_of(t);
     Received mean;
     const float share = 2.0F / static_cast<float>(rows * (rows + 1));
+    glm::vec3 skies(0);
+    glm::vec3 weights(0);
     for (int i = 0; i < rows; ++i)
       for (int j = 0; i + j < rows; ++j) {
         const float a = (static_cast<float>(i) + 1.0F / 3) / static_cast<float>(rows);
         const float b = (static_cast<float>(j) + 1.0F / 3) / static_cast<float>(rows);
-        mean.add(receive(at(t, {a, b, 1 - a - b}), normals_[t]), share);
+        const glm::vec3 at_point(a, b, 1 - a - b);
+        const Received got = receive(at(t, at_point), normals_[t]);
+        mean.add(got, share);
+        skies += at_point * got.sky;
+        weights += at_point;
       }
+    for (std::size_t k = 0; k < 3; ++k) sky[k] = skies[static_cast<int>(k)] / weights[static_cast<int>(k)];
     return mean;
   }
 
