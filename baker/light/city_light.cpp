@@ -16,7 +16,7 @@ namespace zc {
 namespace {
 
 // One more whenever the light or an entry's form changes: what was kept before is stale then.
-constexpr std::uint32_t kVersion = 7;
+constexpr std::uint32_t kVersion = 8;
 // Beyond what rays reach from within a box, for all roundings on the way.
 constexpr float kMarginM = 1;
 

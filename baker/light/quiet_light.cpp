@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/light/quiet_light.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 
@@ -9,7 +10,7 @@
 namespace zc {
 namespace {
 
-constexpr std::uint32_t kSkyStep = 6;  // of 255: one ray of the 48 that look for the sky
+constexpr std::uint32_t kSkyMost = 6;  // of 255: one ray of the 48 that look for the sky
 // Red, green and blue by one 31st, the share by one 63rd, the variation by one 64th.
 constexpr std::array<std::uint32_t, 5> kLevelSteps = {1, 2, 1, 1, 4};
 constexpr std::uint32_t kDirectionStep = 1;
@@ -19,17 +20,13 @@ void take(std::uint32_t& value, std::uint32_t neighbour, std::uint32_t most) {
   if (std::abs(change) <= most) value = neighbour;
 }
 
-std::uint32_t quiet_sky(const ZoneMesh& mesh, std::span<const gpu::TriangleLight> light, const LightOrder& order,
-                        const LightOrder::Place& place, std::uint32_t triangle) {
+// To the middle of its step; what sees all of the sky stays so.
+std::uint32_t quiet_sky(std::uint32_t sky) {
   std::uint32_t out = 0;
-  std::uint32_t before = place.neighbour == LightOrder::kNone ? 256 + kSkyStep : light[place.neighbour].sky & 0xFFU;
-  for (std::size_t k = 0; k < 3; ++k) {
-    std::uint32_t value = light[triangle].sky >> (8 * k) & 0xFFU;
-    const std::uint32_t other = place.met[k];
-    if (other != LightOrder::kNone) before = order.sky_at(light[other], other, mesh.triangles[triangle][k]);
-    take(value, before, kSkyStep);
-    out |= value << (8 * k);
-    before = value;
+  for (unsigned k = 0; k < 3; ++k) {
+    const std::uint32_t value = sky >> (8 * k) & 0xFFU;
+    const std::uint32_t step = 2 * kSkyMost + 1;
+    out |= (value >= 255 - kSkyMost ? 255 : std::min((value + kSkyMost) / step * step, 255 / step * step)) << (8 * k);
   }
   return out;
 }
@@ -40,7 +37,7 @@ void quiet_light(const ZoneMesh& mesh, std::span<gpu::TriangleLight> light) {
   LightOrder order(mesh);
   for (std::uint32_t t = 0; t < light.size(); ++t) {
     const LightOrder::Place place = order.place(t);
-    const std::uint32_t sky = quiet_sky(mesh, light, order, place, t);
+    const std::uint32_t sky = quiet_sky(light[t].sky);
     BouncedLight bounce(light[t]);
     if (place.neighbour != LightOrder::kNone) {
       const BouncedLight other(light[place.neighbour]);
