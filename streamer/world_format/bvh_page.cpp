@@ -58,21 +58,21 @@ void code_trims(Coder& coder, std::vector<LeafTrim>& trims) {
 template <class Coder>
 const char* code_looks(Coder& coder, ZoneMesh& mesh, const BvhFileHeader& header, ZoneAppearance& look,
                        const std::function<void(std::uint64_t BvhFileParts::*)>& done) {
-  const auto code = std::make_unique<LookCode<Coder>>(coder, mesh, header, look);
   if ((header.flags & gpu::kPageLooks) != 0) {
-    if (const char* fault = code->looks()) return fault;
+    if (const char* fault = std::make_unique<LookCode<Coder>>(coder)->run(header, mesh.triangles.size(), look))
+      return fault;
     mesh.materials.resize(look.look_of.size());
     for (std::size_t t = 0; t < look.look_of.size(); ++t)
       mesh.materials[t] = static_cast<std::uint16_t>(look.looks[look.look_of[t]].material);
     done(&BvhFileParts::looks);
   } else {
-    code->materials(mesh.materials);
+    std::make_unique<MaterialCode<Coder>>(coder)->run(mesh.materials, mesh.triangles.size());
     done(&BvhFileParts::materials);
   }
-  if ((header.flags & gpu::kPageLight) != 0) code->light();
+  if ((header.flags & gpu::kPageLight) != 0) std::make_unique<LightCode<Coder>>(coder, mesh, look.light)->run();
   done(&BvhFileParts::light);
   if ((header.flags & gpu::kPageNormals) != 0)
-    if (const char* fault = code->normals()) return fault;
+    if (const char* fault = std::make_unique<NormalCode<Coder>>(coder)->run(header, mesh, look)) return fault;
   done(&BvhFileParts::normals);
   return nullptr;
 }
@@ -132,7 +132,11 @@ std::uint32_t page_scratch_bytes(const NodeRecord& node, std::uint64_t vertex_co
   std::uint64_t at_vertices = 0;
   if (node.light_bytes > 0) at_vertices = LightOrder::scratch_bytes(triangles, vertex_count);
   if (curved > 0) at_vertices = std::max(at_vertices, array_scratch<std::array<std::uint16_t, 2>>(vertex_count));
-  const std::uint64_t look_stage = held + sizeof(LookCode<Decoder>) + looks + at_vertices;
+  const std::uint64_t models =
+      std::max({node.look_bytes > 0 ? sizeof(LookCode<Decoder>) : sizeof(MaterialCode<Decoder>),
+                node.light_bytes > 0 ? sizeof(LightCode<Decoder>) + array_scratch<std::uint32_t>(256) : 0,
+                curved > 0 ? sizeof(NormalCode<Decoder>) : 0});
+  const std::uint64_t look_stage = held + models + looks + at_vertices;
 
   const std::uint64_t palette = node.look_bytes > 0 ? node.look_bytes / sizeof(gpu::Look) : references + clusters;
   const std::uint64_t checks =
@@ -142,7 +146,7 @@ std::uint32_t page_scratch_bytes(const NodeRecord& node, std::uint64_t vertex_co
                                    2 * array_scratch<std::uint32_t>(clusters) +
                                    std::max(array_scratch<std::uint16_t>(grown(palette)), checks);
 
-  constexpr std::uint64_t kFixed = 8 << 10U;  // one cluster, one palette, names
+  constexpr std::uint64_t kFixed = 4 << 10U;  // one cluster, one palette, names
   return clamp_bytes(std::max({tree_stage, box_stage, look_stage, page_stage}) + kFixed);
 }
 

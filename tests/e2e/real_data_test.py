@@ -78,7 +78,7 @@ class BayreuthInSmallZones(support.Case):
         return support.read_stats(out)
 
     def test_every_cap_holds_for_ledger_and_process_and_paging_is_near_beladys(self):
-        for share, level in ((1, 0.99), (2, 0.99), (4, 0), (8, 0)):
+        for share, level in ((1, 0.99), (2, 0.99), (4, 0.99), (8, 0), (100, 0)):
             cap = max(self.decoded // share, self.smallest)
             logs = set()
             for world in self.worlds:
@@ -87,15 +87,14 @@ class BayreuthInSmallZones(support.Case):
                     self.assertEqual(stats["frames_over_cap"], 0)
                     self.assertLessEqual(stats["peak_ledger_bytes"], cap)
                     self.assertGreaterEqual(stats["wanted_level_fraction"], level)
-                    if stats["bytes_read_optimal"] is not None:  # there was room for the record
-                        self.assertLessEqual(stats["bytes_read"], 1.15 * stats["bytes_read_optimal"])
+                    self.assertLessEqual(stats["bytes_read"], 1.15 * stats["bytes_read_optimal"])
                     held = stats["peak_rss_bytes"] - stats["baseline_rss_bytes"]
                     self.assertLessEqual(held, 1.05 * cap + 4 * MIB)
                     logs.add(stats["event_log_xxh3"])
             self.assertEqual(len(logs), 1)
 
     def test_pages_the_same_with_any_number_of_threads(self):
-        logs = {self.page(self.worlds[0], self.decoded // 2, "--threads", n)["event_log_xxh3"] for n in (1, 2, 4, 8)}
+        logs = {self.page(self.worlds[0], self.decoded // 4, "--threads", n)["event_log_xxh3"] for n in (1, 2, 4, 8)}
         self.assertEqual(len(logs), 1)
 
 
