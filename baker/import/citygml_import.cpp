@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
@@ -301,12 +302,13 @@ class CityGmlImport {
     const Surface surface =
         found.surface ? *found.surface : surface_of_object(type, length > 0 ? normal.z / length : 0);
     cut_.clear();
-    const PolygonOutcome outcome = triangulate_polygon(polygon_, cut_);
-    if (outcome == PolygonOutcome::kNoArea) {
-      builder_.note("polygons without area, dropped");
-      return {};
-    }
-    if (outcome == PolygonOutcome::kCrossing) builder_.note("polygons with crossing rings, outer ring used");
+    const auto [outcome, filled_holes] = triangulate_polygon(polygon_, cut_);
+    if (const char* loss = loss_of(outcome)) builder_.note(loss);
+    if (filled_holes > 0) builder_.note(kFilledHoles, filled_holes);
+    if (cut_.empty()) return {};
+    if (textured_)
+      for (const auto& [from, to, part] : polygon_.crossings)
+        texcoords_.push_back(glm::mix(texcoords_[from], texcoords_[to], static_cast<float>(part)));
     const Paint paint = paint_of(found);
     const std::uint16_t material = builder_.material(surface_material(surface, type, palette_key, paint));
     const std::size_t base = mesh.positions.size();

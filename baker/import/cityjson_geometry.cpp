@@ -2,6 +2,7 @@
 #include "baker/import/cityjson_geometry.h"
 
 #include <array>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
@@ -91,6 +92,8 @@ class GeometryReader {
     const auto named = themes->find(preferred);
     const json& chosen = named != themes->end() ? *named : *themes->begin();
     if (!chosen.is_object()) return fault(std::string(key) + " theme is not an object");
+    if (themes->size() > 1)
+      context_.builder.note(std::string(key) + " themes besides the one used, left out", themes->size() - 1);
     return &chosen;
   }
 
@@ -109,11 +112,20 @@ class GeometryReader {
   Status walk(const json& node, int depth, const Labels& labels) {
     if (!node.is_array()) return fault("boundaries are not nested as the geometry type asks");
     if (depth == 0) return add_surface(node, labels);
+    note_early_end(labels.semantics, node.size(),
+                   "surfaces or shells behind the last semantic value, taken as unnamed");
+    note_early_end(labels.materials, node.size(), "surfaces or shells behind the last material value, without it");
+    note_early_end(labels.textures, node.size(), "surfaces or shells behind the last texture value, without it");
     for (std::size_t i = 0; i < node.size(); ++i)
       // A single number above the surfaces labels everything below it.
       ZC_TRY(walk(node[i], depth - 1,
                   {inherit(labels.semantics, i), inherit(labels.materials, i), child_label(labels.textures, i)}));
     return {};
+  }
+
+  void note_early_end(const json* labels, std::size_t wanted, const char* what) {
+    if (labels != nullptr && labels->is_array() && labels->size() < wanted)
+      context_.builder.note(what, wanted - labels->size());
   }
 
   static const json* inherit(const json* labels, std::size_t index) {
@@ -142,12 +154,10 @@ class GeometryReader {
       return {};
     }
     cut_.clear();
-    const PolygonOutcome outcome = triangulate_polygon(polygon_, cut_);
-    if (outcome == PolygonOutcome::kNoArea) {
-      context_.builder.note("polygons without area, dropped");
-      return {};
-    }
-    if (outcome == PolygonOutcome::kCrossing) context_.builder.note("polygons with crossing rings, outer ring used");
+    const auto [outcome, filled_holes] = triangulate_polygon(polygon_, cut_);
+    if (const char* loss = loss_of(outcome)) context_.builder.note(loss);
+    if (filled_holes > 0) context_.builder.note(kFilledHoles, filled_holes);
+    if (cut_.empty()) return {};
     ZC_ASSIGN(const Paint paint, paint_of(labels));
     const std::uint16_t material =
         context_.builder.material(surface_material(surface, object_.type, object_.palette_key, paint));
@@ -230,6 +240,8 @@ class GeometryReader {
       }
       begin = end;
     }
+    for (const auto& [from, to, part] : polygon_.crossings)
+      texcoords_.push_back(glm::mix(texcoords_[from], texcoords_[to], static_cast<float>(part)));
     return {};
   }
 

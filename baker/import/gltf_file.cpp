@@ -6,6 +6,7 @@
 #include <array>
 #include <cstring>
 #include <filesystem>
+#include <initializer_list>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -204,6 +205,61 @@ Status read_images(const json& document, GltfFile& file) {
   return {};
 }
 
+bool is_index(const json& value) {
+  return as_unsigned(value) && *as_unsigned(value) <= std::numeric_limits<int>::max();
+}
+bool is_numbers(const json& value) {
+  return value.is_array() && std::all_of(value.begin(), value.end(), [](const json& e) { return e.is_number(); });
+}
+
+// tinygltf takes a member of the wrong type for one that is not there.
+Status check_members(const json& object, const std::string& where, const GltfFile& file,
+                     std::initializer_list<const char*> indices, std::initializer_list<const char*> numbers,
+                     std::initializer_list<const char*> lists) {
+  const auto check = [&](std::initializer_list<const char*> keys, bool (*is_right)(const json&),
+                         const char* wanted) -> Status {
+    for (const char* key : keys)
+      if (const auto member = object.find(key); member != object.end() && !is_right(*member))
+        return file.error(where + " has a " + key + " that is no " + wanted);
+    return {};
+  };
+  ZC_TRY(check(indices, is_index, "index"));
+  ZC_TRY(check(
+      numbers, [](const json& e) { return e.is_number(); }, "number"));
+  return check(lists, is_numbers, "array of numbers");
+}
+
+Status check_types(const json& document, const GltfFile& file) {
+  ZC_TRY(check_members(document, "the file", file, {"scene"}, {}, {}));
+  const auto each = [&](const char* key, const auto& check) -> Status {
+    ZC_ASSIGN(const json list, object_array(document, key, file.path));
+    for (std::size_t i = 0; i < list.size(); ++i)
+      ZC_TRY(check(list[i], std::string(key) + "[" + std::to_string(i) + "]"));
+    return {};
+  };
+  ZC_TRY(each("nodes", [&](const json& node, const std::string& where) {
+    return check_members(node, where, file, {"mesh", "skin"}, {},
+                         {"matrix", "rotation", "scale", "translation", "children"});
+  }));
+  ZC_TRY(each("textures", [&](const json& texture, const std::string& where) {
+    return check_members(texture, where, file, {"source", "sampler"}, {}, {});
+  }));
+  const auto check_mesh = [&](const json& mesh, const std::string& where) -> Status {
+    ZC_ASSIGN(const json primitives, object_array(mesh, "primitives", file.path));
+    for (const json& primitive : primitives)
+      ZC_TRY(check_members(primitive, "a primitive of " + where, file, {"indices", "material", "mode"}, {}, {}));
+    return {};
+  };
+  ZC_TRY(each("meshes", check_mesh));
+  return each("materials", [&](const json& material, const std::string& where) -> Status {
+    const json* pbr = find_member(material, "pbrMetallicRoughness");
+    if (pbr == nullptr) return {};
+    ZC_TRY(check_members(*pbr, where, file, {}, {"metallicFactor", "roughnessFactor"}, {"baseColorFactor"}));
+    const json* texture = find_member(*pbr, "baseColorTexture");
+    return texture != nullptr ? check_members(*texture, where, file, {"index", "texCoord"}, {}, {}) : Status{};
+  });
+}
+
 // CESIUM_RTC: a centre that positions are relative to, given in the frame that z is up in.
 Status read_center(const json& document, GltfFile& file) {
   const json* extensions = find_member(document, "extensions");
@@ -218,7 +274,7 @@ Status read_center(const json& document, GltfFile& file) {
 
 // What tinygltf shall see. An indexed Draco primitive has accessors without a view, which it refuses: the index
 // accessor goes, since the Draco stream holds the indices.
-json reduced(const json& document) {
+json reduced(const json& document, GltfFile& file) {
   json kept = json::object();
   for (const char* key :
        {"asset", "accessors", "bufferViews", "materials", "meshes", "nodes", "samplers", "scene", "scenes", "textures"})
@@ -228,7 +284,7 @@ json reduced(const json& document) {
     if (!mesh.is_object() || !mesh.contains("primitives") || !mesh["primitives"].is_array()) continue;
     for (json& primitive : mesh["primitives"]) {
       if (!primitive.is_object()) continue;
-      primitive.erase("targets");
+      file.morph_targets += primitive.erase("targets");
       const json* extensions = find_member(primitive, "extensions");
       if (extensions != nullptr && find_member(*extensions, "KHR_draco_mesh_compression") != nullptr)
         primitive.erase("indices");
@@ -273,12 +329,13 @@ Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path
       return Error{ErrorCode::kUnsupported,
                    "glTF version " + one_line(version->get_ref<const std::string&>()) + ", only 2 is read", path};
     ZC_TRY(check_required(document, path));
+    ZC_TRY(check_types(document, file));
     ZC_TRY(load_buffers(document, chunks.bin, is_glb, root, file));
     ZC_TRY(check_views(document, file));
     ZC_TRY(decode_meshopt_views(document, file));
     ZC_TRY(read_images(document, file));
     ZC_TRY(read_center(document, file));
-    text = reduced(document).dump(-1, ' ', false, json::error_handler_t::replace);
+    text = reduced(document, file).dump(-1, ' ', false, json::error_handler_t::replace);
   }
   if (text.size() > std::numeric_limits<unsigned>::max())
     return Error{ErrorCode::kUnsupported, "glTF JSON is larger than 4 GiB", path};

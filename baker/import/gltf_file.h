@@ -31,8 +31,9 @@ struct GltfImage {
 
 struct GltfFile {
   std::string path;
-  tinygltf::Model model;  // its buffers and images are empty: use the members below
-  glm::dvec3 center{0};   // that positions are relative to, z up
+  tinygltf::Model model;            // its buffers and images are empty: use the members below
+  glm::dvec3 center{0};             // that positions are relative to, z up
+  std::uint64_t morph_targets = 0;  // primitives that have any, left out of the model
   std::vector<GltfImage> images;
   std::vector<std::span<const std::byte>> buffers;
   std::map<int, std::span<const std::byte>> decoded_views;  // of EXT_meshopt_compression

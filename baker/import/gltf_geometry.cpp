@@ -190,6 +190,7 @@ Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primit
   const std::size_t corner_count = indices ? indices->size() : count;
   if (corner_count > 0xFFFF'FFFFU) return file.error(where + " has more than 2^32 corners");
   geometry.triangles = corners_of(mode, static_cast<std::uint32_t>(corner_count));
+  if (mode == TINYGLTF_MODE_TRIANGLES) geometry.loose_corners = static_cast<std::uint32_t>(corner_count % 3);
   if (indices)
     for (auto& triangle : geometry.triangles)
       for (std::uint32_t& corner : triangle) corner = static_cast<std::uint32_t>((*indices)[corner]);

@@ -18,6 +18,7 @@ struct GltfGeometry {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<glm::vec2> texcoords;  // per position; empty: none
   std::vector<glm::vec3> colors;     // COLOR_0, linear, likewise
+  std::uint32_t loose_corners = 0;   // of a list, behind its last whole triangle
 };
 
 // Empty for primitives of points or lines. texcoord: which TEXCOORD_ is read where there is one; negative: none.

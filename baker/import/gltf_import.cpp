@@ -74,6 +74,8 @@ class GltfImport {
       : file_(file), place_(place), images_(images), builder_(builder), meshes_(file.model.meshes.size()) {}
 
   Status run() {
+    if (file_.morph_targets > 0)
+      builder_.note("glTF primitives with morph targets, shown without them", file_.morph_targets);
     ZC_ASSIGN(const std::vector<int> roots, root_nodes());
     struct Visit {
       int node;
@@ -135,6 +137,7 @@ class GltfImport {
     const std::string id = node.name.empty() ? "node_" + std::to_string(index) : node.name;
     builder_.enter_object(id);
     if (!meshes_[mesh_index]) ZC_TRY(load_mesh(mesh_index));
+    if (node.skin >= 0) builder_.note("skinned glTF meshes, shown as they were modelled");
     const auto instancing = node.extensions.find("EXT_mesh_gpu_instancing");
     if (instancing == node.extensions.end()) return add_object(id, node.mesh, world);
     ZC_ASSIGN(const std::vector<glm::dmat4> places, instances(instancing->second, index));
@@ -216,6 +219,8 @@ class GltfImport {
       Part part;
       ZC_ASSIGN(const Look look, look_of(mesh.primitives[i].material, where));
       ZC_ASSIGN(part.geometry, read_primitive(file_, mesh.primitives[i], look.texcoord, where));
+      if (part.geometry.loose_corners > 0)
+        builder_.note("corners behind the last whole triangle of a list, left out", part.geometry.loose_corners);
       if (part.geometry.triangles.empty()) {
         builder_.note("glTF primitives without triangles (points, lines), left out");
         continue;
@@ -243,6 +248,8 @@ class GltfImport {
       glm::vec3 color = colors[a];
       if (colors[b] != color || colors[c] != color)
         color = glm::round((color + colors[b] + colors[c]) * (kSteps / 3)) / kSteps;
+      if (!(std::isfinite(color.x) && std::isfinite(color.y) && std::isfinite(color.z)))
+        builder_.note("triangles with vertex colours that are not finite, taken as 0 or 1");
       Material material = plain;
       for (int i = 0; i < 3; ++i) material.base_color[i] *= std::min(1.0F, std::max(0.0F, color[i]));  // no number: 0
       materials.push_back(builder_.material(material));
@@ -264,7 +271,12 @@ class GltfImport {
       return file_.error(where + " names material " + std::to_string(index) + ", which does not exist");
     const tinygltf::Material& source = file_.model.materials[static_cast<std::size_t>(index)];
     const tinygltf::PbrMetallicRoughness& pbr = source.pbrMetallicRoughness;
-    const auto unit = [](double value) { return static_cast<float>(std::clamp(value, 0.0, 1.0)); };
+    bool is_clamped = false;
+    const auto unit = [&](double value) {
+      const double within = value > 0 ? std::min(value, 1.0) : 0.0;  // no number: 0
+      is_clamped |= within != value;
+      return static_cast<float>(within);
+    };
     Material& result = look.material;
     result.name = source.name.empty() ? "unnamed" : source.name;  // equal looks of many files are one material
     result.base_color = glm::vec3(1);
@@ -272,6 +284,7 @@ class GltfImport {
       result.base_color[static_cast<int>(c)] = unit(pbr.baseColorFactor[c]);
     result.roughness = unit(pbr.roughnessFactor);
     result.metallic = unit(pbr.metallicFactor);
+    if (is_clamped) builder_.note("glTF materials with factors that are not within 0 and 1, clamped");
     const auto image = pbr.baseColorTexture.index >= 0 ? load_image(pbr.baseColorTexture.index) : std::nullopt;
     if (!image) return look;
     result.texture = SurfaceTexture{.image = image->index, .factor = result.base_color};

@@ -44,11 +44,10 @@ void mark_nesting(Cdt& cdt) {
   }
 }
 
-}  // namespace
-
-bool triangulate_rings(std::span<const glm::dvec2> points, std::span<const std::uint32_t> ring_ends,
-                       std::vector<std::array<std::uint32_t, 3>>& out) try {
-  Cdt cdt;
+// Fails, by an exception of CGAL's, when rings cross where no point is. Edges walked an even number of times enclose
+// nothing (the bridge from a ring to its hole): only `with_bridges` are they kept.
+void insert_rings(std::span<const glm::dvec2> points, std::span<const std::uint32_t> ring_ends, bool with_bridges,
+                  Cdt& cdt) {
   std::vector<Cdt::Vertex_handle> handles;
   handles.reserve(points.size());
   std::vector<std::uint32_t> first_at;  // of points at equal places, the first
@@ -62,7 +61,6 @@ bool triangulate_rings(std::span<const glm::dvec2> points, std::span<const std::
     handles.push_back(handle);
     first_at.push_back(handle->info());
   }
-  // An edge walked twice (the bridge from a ring to its hole) encloses nothing and must not flip inside and outside.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> walks;
   std::uint32_t begin = 0;
   for (const std::uint32_t end : ring_ends) {
@@ -74,12 +72,20 @@ bool triangulate_rings(std::span<const glm::dvec2> points, std::span<const std::
     begin = end;
   }
   for (const auto& [edge, count] : walks)
-    if (count % 2 == 1) cdt.insert_constraint(handles[edge.first], handles[edge.second]);
+    if (with_bridges || count % 2 == 1) cdt.insert_constraint(handles[edge.first], handles[edge.second]);
+}
+
+// Appends the triangles that `keep` wants of what the rings part. False, and nothing appended, when they cross.
+template <class Keep>
+bool triangulate(std::span<const glm::dvec2> points, std::span<const std::uint32_t> ring_ends, bool with_bridges,
+                 std::vector<std::array<std::uint32_t, 3>>& out, const Keep& keep) try {
+  Cdt cdt;
+  insert_rings(points, ring_ends, with_bridges, cdt);
   if (cdt.dimension() < 2) return false;
   mark_nesting(cdt);
   std::vector<std::array<std::uint32_t, 3>> triangles;
   for (const auto face : cdt.finite_face_handles())
-    if (face->info() % 2 == 1)
+    if (keep(face->info()))
       triangles.push_back({face->vertex(0)->info(), face->vertex(1)->info(), face->vertex(2)->info()});
   out.insert(out.end(), triangles.begin(), triangles.end());
   return true;
@@ -87,6 +93,18 @@ bool triangulate_rings(std::span<const glm::dvec2> points, std::span<const std::
   throw;
 } catch (const std::exception&) {
   return false;
+}
+
+}  // namespace
+
+bool triangulate_rings(std::span<const glm::dvec2> points, std::span<const std::uint32_t> ring_ends,
+                       std::vector<std::array<std::uint32_t, 3>>& out) {
+  return triangulate(points, ring_ends, false, out, [](int nesting) { return nesting % 2 == 1; });
+}
+
+bool triangulate_between(std::span<const glm::dvec2> points, std::span<const std::uint32_t> ring_ends,
+                         std::vector<std::array<std::uint32_t, 3>>& out) {
+  return triangulate(points, ring_ends, true, out, [](int) { return true; });
 }
 
 }  // namespace zc

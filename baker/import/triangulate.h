@@ -16,4 +16,8 @@ namespace zc {
 bool triangulate_rings(std::span<const glm::dvec2> points, std::span<const std::uint32_t> ring_ends,
                        std::vector<std::array<std::uint32_t, 3>>& out);
 
+// Likewise, triangles of all that lies between the rings' corners: each within every ring or outside of it.
+bool triangulate_between(std::span<const glm::dvec2> points, std::span<const std::uint32_t> ring_ends,
+                         std::vector<std::array<std::uint32_t, 3>>& out);
+
 }  // namespace zc

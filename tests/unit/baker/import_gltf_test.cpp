@@ -424,6 +424,35 @@ TEST_F(Gltf, WhatIsNotHandledIsNamed) {
   EXPECT_NE(scene.error().message.find("EXT_no_such_thing"), std::string::npos);
 }
 
+TEST_F(Gltf, EveryKindOfLossIsCountedAndWrongTypesAreErrors) {
+  const auto changed = [](const std::string& what, const std::string& with) {
+    std::string json = triangle_json();
+    json.replace(json.find(what), what.size(), with);
+    return json;
+  };
+  const auto expect_noted = [&](const std::string& json, const char* words, std::uint64_t count) {
+    const auto scene = import_text("loss.glb", glb(json, triangle_bin() + shorts({1, 2})));
+    ASSERT_TRUE(scene.ok()) << scene.error().describe();
+    EXPECT_EQ(noted(*scene, words), count) << words;
+    EXPECT_EQ(scene->notes.size(), 1U) << words;
+  };
+  std::string loose = changed(R"("count":3,"type":"SCALAR")", R"("count":5,"type":"SCALAR")");
+  loose.replace(loose.find(R"("byteLength":6})"), 15, R"("byteLength":10})");
+  loose.replace(loose.find(R"("byteLength":42})"), 16, R"("byteLength":46})");
+  expect_noted(loose, "behind the last whole triangle", 2);
+  expect_noted(changed(R"("mesh":0)", R"("mesh":0,"skin":0)"), "skinned", 1);
+  expect_noted(changed(R"([0.5,0.25,1,1])", R"([-1,0.25,1,1])"), "not within 0 and 1", 1);
+  for (const auto& [what, with] : {std::pair{R"("mesh":0)", R"("mesh":"0")"},
+                                   {R"("mesh":0)", R"("mesh":0.5)"},
+                                   {R"([0.5,0.25,1,1])", R"(["a",0.25,1,1])"},
+                                   {R"("material":0)", R"("material":[0])"},
+                                   {R"("metallicFactor":0)", R"("metallicFactor":"0")"}}) {
+    const auto scene = import_text("wrong.glb", glb(changed(what, with), triangle_bin()));
+    ASSERT_FALSE(scene.ok()) << with;
+    EXPECT_NE(scene.error().message.find(" that is no "), std::string::npos) << scene.error().describe();
+  }
+}
+
 TEST_F(Gltf, WrongReferencesAreErrors) {
   const std::string good = triangle_json();
   ASSERT_TRUE(import_text("good.glb", glb(good, triangle_bin())).ok());
