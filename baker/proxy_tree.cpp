@@ -89,28 +89,22 @@ class Builder {
     ZoneState& state = states_[i];
     state.detail = round_detail(zone.detail);
     if (state.detail.mesh.faces.empty()) return;
-    if (state.detail.step_shift > 0) measure_detail(i);
     state.leaves = {static_cast<std::uint32_t>(i)};
     state.key = leaf_key(context_, zone);
     if (auto known = cache_.find(state.key); known && *known) {
       state.proxy = *std::move(known);
-      return;
-    }
-    state.proxy = simplify_leaf(context_, zone, state.detail, detail_surface(i));
-    cache_.add(state.key, state.proxy);
-  }
-
-  // How far the rounding to its step moved a leaf's detail. Where a triangle was lost, what is left may be any distance
-  // from it.
-  void measure_detail(std::size_t i) {
-    Proxy& detail = states_[i].detail;
-    if (detail.mesh.faces.size() < tree_.zones[i].detail.faces.size()) {
-      const DetailSurface surface = detail_surface(i);
-      detail.error =
-          measure_proxy(detail.mesh, std::span(&surface, 1), context_.materials, context_.looks, context_.step_m);
     } else {
-      detail.error.max_m = rounding_m(context_.step_m, detail.step_shift);
+      state.proxy = simplify_leaf(context_, zone, state.detail, detail_surface(i));
+      cache_.add(state.key, state.proxy);
     }
+    if (state.detail.step_shift == 0) return;
+    // What the rounding to its step moved. Refinement never raises the promised error.
+    const DetailSurface surface = detail_surface(i);
+    SurfaceError& moved = state.detail.error;
+    moved =
+        measure_proxy(state.detail.mesh, std::span(&surface, 1), context_.materials, context_.looks, context_.step_m);
+    state.proxy->error.max_m = std::max(state.proxy->error.max_m, moved.max_m);
+    state.proxy->error.appearance_m = std::max(state.proxy->error.appearance_m, moved.appearance_m);
   }
 
   static std::uint32_t index(std::size_t i) { return static_cast<std::uint32_t>(i); }
