@@ -351,8 +351,8 @@ Result<BakeReport> bake_world(Scene&& scene, double import_s, const BakeOptions&
   if (options.leaf_triangles < 16)
     return Error{ErrorCode::kArgument,
                  "zones need at least 16 triangles, got " + std::to_string(options.leaf_triangles)};
-  if (!(options.error_m > 0 && options.error_m <= 1000))
-    return Error{ErrorCode::kArgument, "the error bound must be above 0 and at most 1000 m"};
+  if (!(options.error_m > 0 && options.error_m <= 100))
+    return Error{ErrorCode::kArgument, "the error bound must be above 0 and at most 100 m"};
   const unsigned threads = options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
   // As many threads as asked for, also when there are fewer cores.
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);

@@ -17,7 +17,13 @@ inline void add_bvh_option(CLI::App& command, BvhMethod& method, const char* tex
     known.emplace(entry.name, entry.method);
     names += (names.empty() ? "" : "|") + std::string(entry.name);
   }
-  command.add_option("--bvh", method, text)->transform(CLI::CheckedTransformer(known))->option_text(names + " [auto]");
+  const auto check = [=](std::string& word) {
+    const auto found = known.find(word);
+    if (found == known.end()) return "'" + word + "' is none of " + names;
+    word = std::to_string(static_cast<int>(found->second));
+    return std::string();
+  };
+  command.add_option("--bvh", method, text)->transform(CLI::Validator(check, ""))->option_text(names + " [auto]");
 }
 
 }  // namespace zc

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <iomanip>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "baker/bake.h"
+#include "baker/bake_cache.h"
 #include "baker/import/import.h"
 #include "base/text.h"
 #include "replay/bvh_option.h"
@@ -19,18 +23,24 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> inputs;
-  std::string out, sun;
+  std::string out;
+  std::optional<std::string> sun;
   BakeOptions options;
 };
 
 Status run(const Arguments& arguments) {
+  const auto is_empty = [](const std::string& name) { return name.empty(); };
+  if (is_empty(arguments.out) || std::ranges::any_of(arguments.inputs, is_empty))
+    return Error{ErrorCode::kArgument, "an input or the output has an empty name"};
+  std::error_code failure;
+  const bool had_cache = std::filesystem::exists(std::filesystem::path(arguments.out) / kBakeCacheName, failure);
   ZC_ASSIGN(WorldWriter writer, WorldWriter::open(arguments.out));
   Progress progress;
   BakeOptions options = arguments.options;
-  if (!arguments.sun.empty()) {
-    ZC_ASSIGN(options.sun, parse_sun(arguments.sun));
+  if (arguments.sun) {
+    ZC_ASSIGN(options.sun, parse_sun(*arguments.sun));
     if (options.sun->elevation_deg < 0)
-      return Error{ErrorCode::kArgument, "a sun below the horizon lights nothing: '" + arguments.sun + "'"};
+      return Error{ErrorCode::kArgument, "a sun below the horizon lights nothing: '" + *arguments.sun + "'"};
     if (!options.light) return Error{ErrorCode::kArgument, "--sun needs light"};
   }
   options.progress = [&](double fraction, std::string_view stage) { progress.update(fraction, stage); };
@@ -56,10 +66,14 @@ Status run(const Arguments& arguments) {
     }
   if (report.interior_faces > 0)
     spdlog::info("faces that can be seen from nowhere outside, left out: {}", report.interior_faces);
-  std::cout << arguments.out << ": " << report.index.header.source_triangles << " triangles in " << zones << " zones, "
-            << report.index.nodes.size() << " nodes (" << report.proxies_reused << " proxies as before), " << std::fixed
-            << std::setprecision(1) << report.seconds.total << " s, peak memory " << format_bytes(report.peak_rss_bytes)
-            << '\n';
+  const auto counted = [](std::uint64_t count, const char* what) {
+    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+  };
+  std::cout << arguments.out << ": " << counted(report.index.header.source_triangles, "triangle") << " in "
+            << counted(zones, "zone") << ", " << counted(report.index.nodes.size(), "node");
+  if (had_cache && options.reuse) std::cout << " (" << report.proxies_reused << " proxies as before)";
+  std::cout << ", " << std::fixed << std::setprecision(1) << report.seconds.total << " s, peak memory "
+            << format_bytes(report.peak_rss_bytes) << '\n';
   return {};
 }
 

@@ -19,7 +19,8 @@ namespace {
 
 struct Arguments {
   WorldOption world;
-  std::string path, out, device, frames, size = "1280x720", sun, budget = "256MiB";
+  std::string path, out, device, frames, size = "1280x720", budget = "256MiB";
+  std::optional<std::string> sun;
   std::vector<double> tolerances = {0.002};
   unsigned threads = 0;
 };
@@ -33,8 +34,8 @@ Result<CompareOptions> to_options(const Arguments& a) {
   if (!a.frames.empty()) {
     ZC_ASSIGN(options.frames, parse_frames(a.frames));
   }
-  if (!a.sun.empty()) {
-    ZC_ASSIGN(options.sun, parse_sun(a.sun));
+  if (a.sun) {
+    ZC_ASSIGN(options.sun, parse_sun(*a.sun));
   }
   ZC_ASSIGN(const PictureSize size, parse_size(a.size));
   options.renderer.width = size.width;

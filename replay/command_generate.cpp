@@ -16,7 +16,8 @@ void add_generate(CLI::App& app, const SetCommand& set) {
   CLI::App* command = app.add_subcommand("generate", "Write a deterministic city: city.glb, drive.csv, shots.json");
   command->add_option("--seed", arguments->options.seed, "Another seed, another city")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.8446744073709551e19));
+      ->check(CLI::Range(0.0, 1.8446744073709551e19))
+      ->option_text("UINT [" + std::to_string(arguments->options.seed) + "]");
   command->add_option("--size-km", arguments->options.size_km, "Side of the square city in kilometres")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 20.0));

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -14,6 +17,8 @@
 
 namespace zc {
 namespace {
+
+constexpr std::size_t kFailuresShown = 20;
 
 struct Arguments {
   WorldOption world;
@@ -61,13 +66,12 @@ Status run(const Arguments& arguments) {
   ZC_ASSIGN(const auto source, open_source(arguments.world.place, options));
   ZC_ASSIGN(const WorldIndex index, read_world_index(*source, arguments.world.place));
   nlohmann::ordered_json json = describe_world(*source, index);
-  Status verified;
+  std::vector<Error> failures;
   if (arguments.verify) {
     Progress progress;
-    std::uint64_t failures = 0;
-    verified = verify_world(*source, index, failures,
+    failures = verify_world(*source, index,
                             [&](double fraction, std::string_view stage) { progress.update(fraction, stage); });
-    json["verified"] = {{"nodes", index.nodes.size()}, {"failures", failures}};
+    json["verified"] = {{"nodes", index.nodes.size()}, {"failures", failures.size()}};
   }
   if (arguments.json) {
     std::cout << json.dump(2) << '\n';
@@ -76,7 +80,12 @@ Status run(const Arguments& arguments) {
     if (arguments.verify)
       std::cout << "\nverified " << index.nodes.size() << " nodes, " << json["verified"]["failures"] << " failures\n";
   }
-  return verified;
+  if (failures.empty()) return {};
+  // A line each; the first one is this command's own.
+  for (std::size_t i = 1; i < std::min(failures.size(), kFailuresShown); ++i)
+    spdlog::error("{}", failures[i].describe());
+  if (failures.size() > kFailuresShown) spdlog::error("{} more nodes failed", failures.size() - kFailuresShown);
+  return failures.front();
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "base/file.h"
@@ -26,7 +27,8 @@ struct Arguments {
   std::string out;
   std::vector<std::string> paths;
   std::string cap;
-  std::string frames, size = "1280x720", sun;
+  std::string frames, size = "1280x720";
+  std::optional<std::string> sun;
   std::string latency = "0s", bandwidth, upload_budget;
   Prediction prediction = Prediction::kPath;
   std::string host_budget = "256MiB";
@@ -80,8 +82,8 @@ Result<ReplayOptions> to_options(const Arguments& a) {
     ZC_ASSIGN(options.frames, parse_frames(a.frames));
   }
   ZC_ASSIGN(const PictureSize size, parse_size(a.size));
-  if (!a.sun.empty()) {
-    ZC_ASSIGN(options.sun, parse_sun(a.sun));
+  if (a.sun) {
+    ZC_ASSIGN(options.sun, parse_sun(*a.sun));
   }
   ZC_TRY(parse_kernel(a.kernel, options));
   options.renderer.width = size.width;

@@ -166,18 +166,15 @@ nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index) {
   return json;
 }
 
-Status verify_world(Source& source, const WorldIndex& index, std::uint64_t& failures,
-                    const std::function<void(double fraction, std::string_view stage)>& progress) {
-  failures = 0;
-  Status first;
+std::vector<Error> verify_world(Source& source, const WorldIndex& index,
+                                const std::function<void(double fraction, std::string_view stage)>& progress) {
+  std::vector<Error> failures;
   for (std::uint32_t node = 0; node < index.nodes.size(); ++node) {
     const auto page = load_page(source, index, node);
-    if (!page) {
-      if (++failures == 1) first = page.error();
-    }
+    if (!page) failures.push_back(page.error());
     progress(static_cast<double>(node + 1) / static_cast<double>(index.nodes.size()), "verify");
   }
-  return first;
+  return failures;
 }
 
 }  // namespace zc

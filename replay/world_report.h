@@ -5,6 +5,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <vector>
 
 #include "base/result.h"
 #include "streamer/source.h"
@@ -16,8 +17,8 @@ namespace zc {
 // disk_bytes_per_triangle, of the proxies, tells the components that bake.json knows, else the kinds of file.
 nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index);
 
-// Reads, hashes, decodes and checks every page. The first failure is returned; `failures` counts all.
-Status verify_world(Source& source, const WorldIndex& index, std::uint64_t& failures,
-                    const std::function<void(double fraction, std::string_view stage)>& progress);
+// Reads, hashes, decodes and checks every page. What failed, by node.
+std::vector<Error> verify_world(Source& source, const WorldIndex& index,
+                                const std::function<void(double fraction, std::string_view stage)>& progress);
 
 }  // namespace zc

@@ -240,6 +240,15 @@ class CityGmlImport {
         holder = gml_child(gml_child(child, "Point"), "pos");
       else if (name != "posList" && name != "pos" && name != "coordinates")
         continue;
+      // Of the list itself, or of the geometry that it is part of.
+      for (pugi::xml_node at = holder; at && local_name(at) != "CityModel"; at = at.parent()) {
+        const std::string_view dimension = gml_attribute(at, "srsDimension");
+        if (dimension.empty()) continue;
+        if (dimension != "3")
+          return gml_error(at, "srsDimension is '" + one_line(dimension) + "', only three numbers a point are read",
+                           path_);
+        break;
+      }
       ZC_ASSIGN(const std::vector<double> numbers, gml_numbers(holder, path_));
       if (numbers.size() % 3 != 0) return gml_error(child, "coordinates that do not come in threes", path_);
       for (std::size_t i = 0; i < numbers.size(); i += 3)

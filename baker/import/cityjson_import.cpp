@@ -41,7 +41,8 @@ Status check_header(const json& document, const CitySource& source) {
   const json* type = find_member(document, "type");
   if (type == nullptr || !type->is_string() || *type != "CityJSON") return source.error("type is not 'CityJSON'");
   const json* version = find_member(document, "version");
-  const std::string text = version != nullptr && version->is_string() ? version->get<std::string>() : "";
+  if (version == nullptr || !version->is_string()) return source.error("version is missing or not text");
+  const std::string& text = version->get_ref<const std::string&>();
   const auto is = [&](std::string_view wanted) {
     return text == wanted || (text.starts_with(wanted) && text[wanted.size()] == '.');
   };

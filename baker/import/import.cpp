@@ -99,7 +99,9 @@ Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs) {
   SceneBuilder builder;
   std::optional<EarthFrame> earth;
   TextureImages images;
+  std::vector<std::string> without_crs;
   for (const std::filesystem::path& input : inputs) {
+    const std::uint64_t crs_named = builder.crs_named();
     try {
       if (Status status = import_one(input, earth, images, builder); !status.ok()) {
         Error error = std::move(status).error();
@@ -109,8 +111,11 @@ Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs) {
     } catch (const std::bad_alloc&) {
       return Error{ErrorCode::kBudget, "not enough memory to import this file", input.string()};
     }
+    if (builder.crs_named() == crs_named) without_crs.push_back(input.string());
   }
   builder.enter_file({});
+  if (builder.crs_named() > 0)
+    builder.note_files("inputs without a reference system, taken to be in that of the others", without_crs);
   images.report(builder);
   Scene scene = builder.finish(images.take());
   if (scene.triangles.empty()) return Error{ErrorCode::kFormat, "has no triangles", inputs.front().string()};

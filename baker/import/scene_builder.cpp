@@ -10,6 +10,7 @@
 #include <unordered_map>
 
 #include "base/check.h"
+#include "base/text.h"
 
 namespace zc {
 namespace {
@@ -156,6 +157,9 @@ void SceneBuilder::note_files(const std::string& what, const std::vector<std::st
 
 Status SceneBuilder::set_crs(const std::string& crs, const std::string& path) {
   if (crs.empty()) return {};
+  ++crs_named_;
+  if (lower(crs).find("epsg") != std::string::npos && (crs.back() < '0' || crs.back() > '9'))
+    note("reference systems without an EPSG code at their end, kept as they are written");
   if (scene_.crs.empty()) scene_.crs = crs;
   if (crs_key(scene_.crs) != crs_key(crs))
     return Error{ErrorCode::kUnsupported,

@@ -45,8 +45,9 @@ class SceneBuilder {
   void note(const std::string& what, std::uint64_t count = 1);
   // One for each of the files that are named.
   void note_files(const std::string& what, const std::vector<std::string>& names);
-  // Keeps the first system named; fails when `crs` names another one.
+  // Keeps the first system named; fails when `crs` names another one. An empty name says nothing.
   Status set_crs(const std::string& crs, const std::string& path);
+  [[nodiscard]] std::uint64_t crs_named() const { return crs_named_; }  // how often set_crs() was told one
   [[nodiscard]] Scene finish(std::vector<TextureImage> images) {
     scene_.images = std::move(images);
     return std::move(scene_);
@@ -61,6 +62,7 @@ class SceneBuilder {
   };
   Scene scene_;
   Place place_;
+  std::uint64_t crs_named_ = 0;
   std::map<MaterialKey, std::uint16_t> materials_;
   std::map<std::string, std::size_t> notes_;
 };

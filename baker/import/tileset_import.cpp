@@ -231,7 +231,7 @@ class TilesetWalk {
 }  // namespace
 
 bool is_tileset(std::string_view text) {
-  return has_top_level_key(text, "geometricError") && has_top_level_key(text, "root");
+  return has_top_level_key(text, "geometricError") || has_top_level_key(text, "root");
 }
 
 Status import_tileset(std::string_view text, const std::string& path, std::optional<EarthFrame>& earth,

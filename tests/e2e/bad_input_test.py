@@ -152,6 +152,19 @@ class BadModels(support.Case):
         self.assert_refused(["bake", self.folder / "city.json", "-o", photos], ARGUMENTS, photos)
         self.assert_refused(["bake", self.folder / "city.json", "-o", photos / "holiday.jpg"], ARGUMENTS, "holiday.jpg")
 
+    def test_arguments_that_mean_nothing(self):
+        bake = ["bake", self.folder / "city.json", "-o", self.folder / "new"]
+        self.assert_refused([*bake, "--bvh", "foo"], ARGUMENTS, "'foo' is none of auto|")
+        self.assert_refused([*bake, "--error", "nan"], ARGUMENTS, "at most 100 m")
+        self.assert_refused([*bake, "--sun", ""], ARGUMENTS, "'' is not a sun direction")
+        self.assert_refused(["bake", "", "-o", self.folder / "new"], ARGUMENTS, "empty name")
+        self.assert_refused(["bake", self.folder / "city.json", "-o", ""], ARGUMENTS, "empty name")
+
+    def test_only_a_bake_over_an_old_world_tells_what_it_kept(self):
+        words = ["bake", "--no-light", self.folder / "city.json", "-o", self.folder / "twice"]
+        self.assertNotIn("as before", self.zonecast(*words))
+        self.assertIn("proxies as before", self.zonecast(*words))
+
     def test_output_that_cannot_be_created(self):
         blocked = self.folder / "city.json" / "world"  # below a file
         self.assert_refused(["bake", self.folder / "city.json", "-o", blocked], FAILURE, "city.json")
@@ -196,6 +209,16 @@ class BadWorlds(support.Case):
             self.assertTrue(done.stderr.startswith("zonecast: "))
             self.assertIn(name, done.stderr)
             self.assertIn("1 failures", done.stdout)
+
+    def test_every_damaged_page_has_a_line(self):
+        names = [name for name in self.pages(1) if name.endswith(".zbvh")][:2]
+        world = self.damaged(names[0], self.flip)
+        (world / names[1]).write_bytes(self.flip((world / names[1]).read_bytes()))
+        done = self.run_zonecast("inspect", world, "--verify")
+        self.assertEqual(done.returncode, FAILURE)
+        self.assertEqual(len(done.stderr.splitlines()), 2, done.stderr)
+        for name in names:
+            self.assertIn(name, done.stderr)
 
     def test_missing_and_shortened_pages_are_found_by_verify(self):
         name = self.pages(1)[0]

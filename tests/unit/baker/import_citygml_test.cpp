@@ -171,6 +171,11 @@ TEST_F(CityGml, WhatIsWrongIsNamedWithItsPlace) {
   text = model(house());
   text.replace(text.find("4 0 3"), 5, "4 0");
   refused(text, "in threes");
+  for (const char* dimension : {"2", "0"}) {
+    text = model(house());
+    text.replace(text.find("posList>"), 8, std::string("posList srsDimension=\"") + dimension + "\">");
+    refused(text, std::string("srsDimension is '") + dimension);
+  }
   std::string deep;
   for (int i = 0; i < 100'000; ++i) deep += "<x>";
   for (int i = 0; i < 100'000; ++i) deep += "</x>";

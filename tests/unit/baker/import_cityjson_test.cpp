@@ -381,6 +381,21 @@ TEST_F(CityJson, InputsWithDifferentReferenceSystemsDoNotMerge) {
   const std::vector<std::filesystem::path> inputs = {write("a.json", document(cube("a"), kCubeVertices)),
                                                      write("b.json", other)};
   EXPECT_FALSE(import_inputs(inputs).ok());
+  // One that names none joins the other; one without a code is kept as it is written. Both are said.
+  const std::string named = R"("metadata":{"referenceSystem":"https://www.opengis.net/def/crs/EPSG/0/2583"},)";
+  other.erase(other.find(named), named.size());
+  write("b.json", other);
+  const auto joined = import_inputs(inputs);
+  ASSERT_TRUE(joined.ok()) << joined.error().describe();
+  ASSERT_EQ(joined->notes.size(), 1U);
+  EXPECT_EQ(noted(*joined, "inputs without a reference system"), 1U);
+  EXPECT_EQ(joined->notes[0].names, std::vector{inputs[1].string()});
+  EXPECT_TRUE(import(inputs[1])->notes.empty());
+  std::string fruit = document(cube("a"), kCubeVertices);
+  fruit.replace(fruit.find("https://www.opengis.net/def/crs/EPSG/0/7415"), 43, "EPSG:banana");
+  const auto odd = import_text("fruit.json", fruit);
+  ASSERT_TRUE(odd.ok()) << odd.error().describe();
+  EXPECT_EQ(noted(*odd, "without an EPSG code"), 1U);
   const std::vector<std::filesystem::path> same = {inputs[0], inputs[0]};
   const auto scene = import_inputs(same);
   ASSERT_TRUE(scene.ok());

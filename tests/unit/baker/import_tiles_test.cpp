@@ -266,6 +266,7 @@ TEST_F(Tiles, WhatIsNotHandledIsRefused) {
   expect_refused(tileset(tile(R"("children":{})")), "children");
   expect_refused(tileset(tile(R"("content":{"uri":7})")), "without a uri");
   expect_refused(tileset(tile(R"("contents":[3])")), "without a uri");
+  expect_refused(R"({"asset":{"version":"1.0"},"geometricError":1})", "has no root");
   expect_refused(tileset("[]"), "root tile is not an object");
   expect_refused(tileset(tile(R"("children":[])")), "no triangles");
 }
