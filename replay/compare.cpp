@@ -49,7 +49,11 @@ std::string with_commas(std::uint64_t value) {
   return text;
 }
 
-std::string metres(double value) { return text_of(value < 1 ? "%.2f m" : value < 10 ? "%.1f m" : "%.0f m", value); }
+// A bound: rounded up.
+std::string metres(double value) {
+  const double parts = value < 1 ? 100 : value < 10 ? 10 : 1;
+  return text_of(value < 1 ? "%.2f m" : value < 10 ? "%.1f m" : "%.0f m", std::ceil(value * parts) / parts);
+}
 
 // `most` of so many, the first and the last among them.
 std::vector<std::size_t> spread_evenly(std::size_t count, std::size_t most) {
