@@ -60,6 +60,8 @@ Status run(const Arguments& arguments) {
   if (report.blind_frames > 0)
     spdlog::warn("{} of {} frames do not look at the world; they count as equal", report.blind_frames,
                  report.frames.size());
+  if (!report.source_complete)
+    spdlog::warn("--budget does not hold all of the full detail: proxies stand in for it where it is far away");
   for (const ComparedLevel& level : report.levels)
     if (level.incomplete)
       spdlog::warn("--budget does not hold all of level {}: it is coarser where it is far away", level.name);

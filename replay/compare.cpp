@@ -169,6 +169,7 @@ std::string compare_json(const CompareReport& report) {
   json["device"] = report.device;
   json["frames"] = report.frames;
   json["blind_frames"] = report.blind_frames;
+  json["source_complete"] = report.source_complete;
   json["levels"] = nlohmann::ordered_json::array();
   for (const ComparedLevel& level : report.levels) {
     nlohmann::ordered_json row = {{"name", level.name}};
@@ -320,6 +321,8 @@ class Comparison {
             std::accumulate(level.row.flip.begin(), level.row.flip.end(), 0.0) / static_cast<double>(frames_.size());
         level.column.lines.push_back(text_of("mean FLIP %.4f", level.row.mean_flip));
         report_.levels.push_back(level.row);
+      } else {
+        report_.source_complete = !level.row.incomplete;
       }
       if (level.row.incomplete) level.column.lines.emplace_back("far zones coarser: --budget");
       sheet_.columns.push_back(level.column);

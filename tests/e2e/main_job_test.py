@@ -92,6 +92,13 @@ class MainJob(support.Case):
         self.assertEqual(json.loads((out / "compare.json").read_text())["frames"], ["000000", "000001"])
         self.assertEqual(sorted(path.name for path in (out / "finest").iterdir()), ["000000.png", "000001.png"])
         self.assertFalse((out / "tolerance_0.002").exists())
+        done = self.run_zonecast("compare", self.world, "--size", "64x36", "--budget", "1500KiB", "--frames", "0:1",
+                                 "-o", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("--budget does not hold all of the full detail", done.stderr)
+        report = json.loads((out / "compare.json").read_text())
+        self.assertFalse(report["source_complete"])
+        self.assertTrue([level["complete"] for level in report["levels"] if level["name"] == "level_0"][0])
         self.assertTrue((out / "level_7" / "000000.png").exists(), "another program's picture was removed")
 
     def test_a_path_that_misses_the_world_is_told_of(self):
