@@ -195,7 +195,7 @@ class Faults(support.Case):
 
                 def change(path, place=place, aside=aside, replacement=replacement, changed=changed):
                     with self.server.lock:
-                        if len(self.server.requests) > 60 and not changed.is_set():
+                        if len(self.server.requests) > 20 and not changed.is_set():
                             place.rename(aside)
                             (shutil.copytree if replacement.is_dir() else shutil.copy)(replacement, place)
                             changed.set()
