@@ -177,7 +177,8 @@ std::string bake_json(const BakeReport& report) {
   json["peak_rss_bytes"] = report.peak_rss_bytes;
   json["source_triangles"] = report.index.header.source_triangles;
   json["nodes"] = report.index.nodes.size();
-  json["proxies"] = {{"reused", report.proxies_reused}, {"built", report.proxies_built}};
+  json["proxies"] = {
+      {"reused", report.proxies_reused}, {"built", report.proxies_built}, {"work", report.simplify_work}};
   json["lights"] = {{"reused", report.lights_reused}, {"built", report.lights_built}};
   json["disk_bytes"] = {{"proxies", report.proxies.to_json()}, {"detail", report.detail.to_json()}};
   const auto counts = [](std::span<const ImportCount> notes) {
@@ -253,6 +254,9 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
     report.notes.push_back({"triangles without area at their zone's step, dropped", proxies.lost_triangles});
   if (proxies.coarse_zones > 0)
     report.notes.push_back({"zones too wide for the error bound, at full detail too", proxies.coarse_zones});
+  if (proxies.bounded_zones > 0)
+    report.notes.push_back({"zones whose simplification ended at its bound of work", proxies.bounded_zones});
+  report.simplify_work = proxies.work;
   report.seconds.simplify = watch.lap();
 
   const std::size_t count = proxies.nodes.size();

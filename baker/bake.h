@@ -64,6 +64,7 @@ struct BakeReport {
   std::vector<LeftOut> left_out;
   std::uint64_t proxies_reused = 0;
   std::uint64_t proxies_built = 0;
+  std::uint64_t simplify_work = 0;  // boxes and triangles looked at for the proxies that were built
   std::uint64_t lights_reused = 0;  // zones whose light the last bake had
   std::uint64_t lights_built = 0;
   std::uint64_t peak_rss_bytes = 0;  // of the process

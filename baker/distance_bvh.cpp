@@ -208,8 +208,11 @@ double DistanceBvh::distance_to_bounds(const glm::dvec3& p) const {
 }
 
 template <class Reach, class Enter, class Visit>
-void DistanceBvh::visit_near(const glm::dvec3& p, const Reach& reach, const Enter& enter, const Visit& visit) const {
+void DistanceBvh::visit_near(const glm::dvec3& p, const Reach& reach, const Enter& enter, const Visit& visit,
+                             Work* work) const {
   if (nodes_.empty()) return;
+  Work unbounded;
+  Work& w = work != nullptr ? *work : unbounded;
   struct Entry {
     std::uint32_t node;
     double squared;
@@ -221,7 +224,9 @@ void DistanceBvh::visit_near(const glm::dvec3& p, const Reach& reach, const Ente
     return squared_distance_to_box(p, glm::dvec3(nodes_[i].min), glm::dvec3(nodes_[i].max));
   };
   stack[top++] = {0, box_distance(0)};
-  while (top > 0) {
+  bool found_any = false;
+  while (top > 0 && !(found_any && w.is_spent())) {
+    ++w.done;
     const Entry entry = stack[--top];
     const double limit = reach();
     if (limit < 0) return;
@@ -236,12 +241,14 @@ void DistanceBvh::visit_near(const glm::dvec3& p, const Reach& reach, const Ente
       stack[top++] = near;
       continue;
     }
+    w.done += node.count;
+    found_any = true;
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) visit(triangles_[i]);
   }
 }
 
 void DistanceBvh::nearest(const glm::dvec3& p, std::uint64_t looks, double enough, const DistanceTriangle*& triangle,
-                          double& distance) const {
+                          double& distance, Work* work) const {
   visit_near(
       p, [&] { return distance > enough ? distance : -1.0; }, [&](std::uint64_t bits) { return (bits & looks) != 0; },
       [&](const DistanceTriangle& t) {
@@ -250,34 +257,46 @@ void DistanceBvh::nearest(const glm::dvec3& p, std::uint64_t looks, double enoug
         if (d > distance || (d == distance && triangle != nullptr)) return;
         distance = d;
         triangle = &t;
-      });
+      },
+      work);
 }
 
-double DistanceBvh::closest_of_look(const glm::dvec3& p, std::uint16_t look, double limit, double enough) const {
+double DistanceBvh::closest_of_look(const glm::dvec3& p, std::uint16_t look, double limit, double enough,
+                                    Work* work) const {
   visit_near(
       p, [&] { return limit > enough ? limit : -1.0; },
       [&](std::uint64_t bits) { return (bits & look_bit(look)) != 0; },
       [&](const DistanceTriangle& t) {
         if (t.look == look) limit = std::min(limit, t.distance(p));
-      });
+      },
+      work);
   return limit;
 }
 
-std::uint64_t DistanceBvh::looks_within(const glm::dvec3& p, double radius) const {
-  std::uint64_t found = 0;
+std::uint64_t DistanceBvh::looks_within(const glm::dvec3& p, double radius, std::uint64_t known, Work* work) const {
+  std::uint64_t found = known;
   visit_near(
       p, [&] { return radius; }, [&](std::uint64_t bits) { return (bits & ~found) != 0; },
       [&](const DistanceTriangle& t) {
         if ((look_bit(t.look) & ~found) != 0 && t.distance(p) <= radius) found |= look_bit(t.look);
-      });
+      },
+      work);
   return found;
 }
 
-void DistanceBvh::closest(const glm::dvec3& p, const glm::dvec3& normal, double tie, ClosestHit& best) const {
+void DistanceBvh::closest(const glm::dvec3& p, const glm::dvec3& normal, double tie, ClosestHit& best,
+                          Work* work) const {
   double nearest = best.distance;
+  const DistanceTriangle* any = nullptr;
   visit_near(
       p, [&] { return nearest > tie / 2 ? nearest : -1.0; }, [](std::uint64_t) { return true; },
-      [&](const DistanceTriangle& t) { nearest = std::min(nearest, t.distance(p)); });
+      [&](const DistanceTriangle& t) {
+        const double distance = t.distance(p);
+        if (distance >= nearest) return;
+        nearest = distance;
+        any = &t;
+      },
+      work);
   if (nearest < best.distance - tie) best.alignment = -1;
   best.distance = nearest;
   // Where very many lie on top of each other, one of those that are looked at has to do.
@@ -291,7 +310,11 @@ void DistanceBvh::closest(const glm::dvec3& p, const glm::dvec3& normal, double 
         if (alignment <= best.alignment || t.distance(p) > nearest + tie) return;
         best.alignment = alignment;
         best.material = t.material;
-      });
+      },
+      work);
+  if (best.alignment >= 0 || any == nullptr) return;
+  best.alignment = std::abs(glm::dot(any->normal, normal));
+  best.material = any->material;
 }
 
 }  // namespace zc

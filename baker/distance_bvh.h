@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "baker/lattice_mesh.h"
+#include "baker/work.h"
 
 namespace zc {
 
@@ -31,6 +32,8 @@ struct DistanceTriangle {
 inline std::uint64_t look_bit(std::uint16_t look) { return std::uint64_t{1} << (look % 64U); }
 inline constexpr std::uint64_t kEveryLook = ~std::uint64_t{0};
 
+// Queries end when `work` is spent, with the best that they found until then, at least of one leaf near by: distances
+// are then bounds from above, and looks may be missing.
 class DistanceBvh {
  public:
   DistanceBvh() = default;
@@ -44,18 +47,20 @@ class DistanceBvh {
   // Improves `best` (start with an infinite distance); what is within `tie` / 2 steps is close enough. Of triangles
   // within `tie` steps of the closest, the one best aligned with `normal` wins: at an edge the closest point belongs to
   // several. Of very many, some are looked at.
-  void closest(const glm::dvec3& p, const glm::dvec3& normal, double tie, ClosestHit& best) const;
+  void closest(const glm::dvec3& p, const glm::dvec3& normal, double tie, ClosestHit& best, Work* work = nullptr) const;
 
   // The closest triangle whose look is among the bits of `looks`, or any within `enough`; sets `distance`, or leaves
   // both when none is nearer.
   void nearest(const glm::dvec3& p, std::uint64_t looks, double enough, const DistanceTriangle*& triangle,
-               double& distance) const;
+               double& distance, Work* work = nullptr) const;
 
   // Distance to the closest triangle of `look`, or to any within `enough`, or `limit` when none is nearer than that.
-  [[nodiscard]] double closest_of_look(const glm::dvec3& p, std::uint16_t look, double limit, double enough = 0) const;
+  [[nodiscard]] double closest_of_look(const glm::dvec3& p, std::uint16_t look, double limit, double enough = 0,
+                                       Work* work = nullptr) const;
 
-  // Bits of all looks within `radius`.
-  [[nodiscard]] std::uint64_t looks_within(const glm::dvec3& p, double radius) const;
+  // Bits of all looks within `radius`, with those that are known to be.
+  [[nodiscard]] std::uint64_t looks_within(const glm::dvec3& p, double radius, std::uint64_t known = 0,
+                                           Work* work = nullptr) const;
 
  private:
   struct Node {
@@ -69,7 +74,7 @@ class DistanceBvh {
   // Calls visit(triangle) for the triangles of every leaf whose box is within reach() of p and that passes
   // enter(look bits), nearest boxes first.
   template <class Reach, class Enter, class Visit>
-  void visit_near(const glm::dvec3& p, const Reach& reach, const Enter& enter, const Visit& visit) const;
+  void visit_near(const glm::dvec3& p, const Reach& reach, const Enter& enter, const Visit& visit, Work* work) const;
 
   std::vector<Node> nodes_;
   std::vector<DistanceTriangle> triangles_;

@@ -21,6 +21,8 @@ constexpr std::size_t kSamplesMin = 2000;
 constexpr std::size_t kSamplesMax = 20000;
 constexpr std::size_t kVerticesMax = 20000;
 constexpr double kTieSteps = 1.0;
+constexpr std::size_t kBlock = 512;              // samples that share the work they may take
+constexpr std::uint64_t kBlockWork = 1'000'000;  // twice what the hardest take of the cities that we know
 
 struct Sample {
   glm::dvec3 point;
@@ -69,11 +71,11 @@ void add_vertex_samples(const LatticeMesh& mesh, std::size_t limit, std::vector<
     out.push_back({to_dvec(mesh.vertices[i]), glm::dvec3(0), 0, true});
 }
 
-ClosestHit closest_of(std::span<const DetailSurface> surfaces, const Sample& sample) {
+ClosestHit closest_of(std::span<const DetailSurface> surfaces, const Sample& sample, Work& work) {
   ClosestHit best;
   best.distance = std::numeric_limits<double>::infinity();
   if (surfaces.size() == 1) {
-    surfaces[0].bvh->closest(sample.point, sample.normal, kTieSteps, best);
+    surfaces[0].bvh->closest(sample.point, sample.normal, kTieSteps, best, &work);
     return best;
   }
   // The nearest box first: it usually settles all others.
@@ -86,19 +88,19 @@ ClosestHit closest_of(std::span<const DetailSurface> surfaces, const Sample& sam
       first_distance = distance;
     }
   }
-  surfaces[first].bvh->closest(sample.point, sample.normal, kTieSteps, best);
+  surfaces[first].bvh->closest(sample.point, sample.normal, kTieSteps, best, &work);
   for (std::size_t i = 0; i < surfaces.size(); ++i)
     if (i != first && surfaces[i].bvh->distance_to_bounds(sample.point) <= best.distance + kTieSteps)
-      surfaces[i].bvh->closest(sample.point, sample.normal, kTieSteps, best);
+      surfaces[i].bvh->closest(sample.point, sample.normal, kTieSteps, best, &work);
   return best;
 }
 
 // Distance from p to the nearest surface of a look, or to any within `enough`, or `limit`.
 double look_distance(std::span<const DetailSurface> surfaces, const glm::dvec3& p, std::uint16_t look, double limit,
-                     double enough) {
+                     double enough, Work& work) {
   for (const DetailSurface& surface : surfaces)
     if (limit > enough && surface.bvh->distance_to_bounds(p) < limit)
-      limit = surface.bvh->closest_of_look(p, look, limit, enough);
+      limit = surface.bvh->closest_of_look(p, look, limit, enough, &work);
   return limit;
 }
 
@@ -109,6 +111,8 @@ struct Sums {
   double color = 0;
   double worst_alignment = 1;
   std::size_t count = 0;
+  std::uint64_t work = 0;
+  bool is_loose = false;
 };
 
 // `own`: the side that the samples lie on; `surfaces`: the other side.
@@ -117,20 +121,28 @@ void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> 
              std::span<const std::uint16_t> looks, Sums& sums) {
   std::vector<ClosestHit> hits(samples.size());
   std::vector<double> appearance(samples.size(), 0.0);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples.size(), 512), [&](const auto& range) {
-    double largest = 0;  // of this range: a sample that cannot exceed it needs no exact distance
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      hits[i] = closest_of(surfaces, samples[i]);
+  std::vector<std::uint64_t> work_done((samples.size() + kBlock - 1) / kBlock);
+  tbb::parallel_for(std::size_t{0}, work_done.size(), [&](std::size_t block) {
+    Work work{kBlockWork};
+    double largest = 0;  // of this block: a sample that cannot exceed it needs no exact distance
+    for (std::size_t i = block * kBlock; i < std::min(samples.size(), (block + 1) * kBlock); ++i) {
+      hits[i] = closest_of(surfaces, samples[i], work);
       const std::uint16_t look = looks[samples[i].material];
       const std::uint16_t seen = looks[hits[i].material];
       if (samples[i].is_vertex || look == seen) continue;
-      const double here = look_distance(own, samples[i].point, seen, std::numeric_limits<double>::infinity(), largest);
+      const double here =
+          look_distance(own, samples[i].point, seen, std::numeric_limits<double>::infinity(), largest, work);
       if (here <= largest) continue;
-      appearance[i] = look_distance(surfaces, samples[i].point, look, here, largest);
+      appearance[i] = look_distance(surfaces, samples[i].point, look, here, largest, work);
       if (!std::isfinite(appearance[i])) appearance[i] = hits[i].distance;
       largest = std::max(largest, appearance[i]);
     }
+    work_done[block] = work.done;
   });
+  for (const std::uint64_t done : work_done) {
+    sums.work += done;
+    sums.is_loose = sums.is_loose || done >= kBlockWork;
+  }
   // Summed in order: the same result at any thread count.
   for (std::size_t i = 0; i < samples.size(); ++i) {
     sums.max = std::max(sums.max, hits[i].distance);
@@ -227,10 +239,17 @@ SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurfa
   SurfaceError error;
   const double count = static_cast<double>(std::max<std::size_t>(sums.count, 1));
   const double promise = promise_m / step_m;
-  const double bound = bound_distance(proxy, detail, sums.max, promise);
-  for (const DetailSurface& surface : detail)
-    sums.max = std::max(sums.max, bound_distance(*surface.mesh, proxy_side, bound, promise));
-  error.max_m = sums.max * step_m;
+  DistanceBound bound = bound_distance(proxy, detail, sums.max, promise);
+  const double known = bound.distance;
+  for (const DetailSurface& surface : detail) {
+    const DistanceBound other = bound_distance(*surface.mesh, proxy_side, known, promise);
+    bound.distance = std::max(bound.distance, other.distance);
+    bound.work += other.work;
+    bound.is_loose = bound.is_loose || other.is_loose;
+  }
+  error.max_m = bound.distance * step_m;
+  error.work = sums.work + bound.work;
+  error.is_loose = sums.is_loose || bound.is_loose;
   error.appearance_m = sums.appearance * step_m;
   error.mean_m = sums.distance / count * step_m;
   error.normal_deviation_deg = std::acos(std::clamp(sums.worst_alignment, 0.0, 1.0)) * 180.0 / std::numbers::pi;

@@ -23,6 +23,8 @@ struct SurfaceError {
   // side to the sample's own look, or on its own side to the look it was given, whichever is nearer. Half the width of
   // a window that vanished in its wall, say.
   double appearance_m = 0;
+  std::uint64_t work = 0;  // that measuring took
+  bool is_loose = false;  // measuring took all the work that it may: the distances are bounds still, but not close ones
 };
 
 // Of several surfaces together: means are weighted by their areas.

@@ -9,7 +9,7 @@ namespace zc {
 namespace {
 
 // One more whenever simplification, measuring or an entry's form change: what they returned before is stale then.
-constexpr std::uint32_t kVersion = 6;
+constexpr std::uint32_t kVersion = 7;
 constexpr std::uint32_t kStepShiftMost = 14;  // 2^30 steps in 2^16
 
 void add_place(CacheKeyHasher& hash, const SimplifyContext& context, const Zone& zone) {
@@ -33,7 +33,7 @@ void append_face(const LatticeFace& face, std::vector<std::byte>& out) {
 struct EntryHeader {
   std::array<double, 6> numbers = {};  // SurfaceError's in order, tolerance
   std::uint32_t step_shift = 0;
-  std::uint32_t stored = 0;  // 0: simplification found none worth storing
+  std::uint32_t stored = 0;  // 0: simplification found none worth storing; 2: it ended at its bound of work
   std::uint32_t vertex_count = 0;
   std::uint32_t face_count = 0;
 };
@@ -44,7 +44,7 @@ std::vector<std::byte> encode_entry(const std::optional<Proxy>& proxy) {
     const SurfaceError& e = proxy->error;
     header.numbers = {e.max_m, e.mean_m, e.normal_deviation_deg, e.color_error, e.appearance_m, proxy->tolerance};
     header.step_shift = proxy->step_shift;
-    header.stored = 1;
+    header.stored = proxy->is_bounded ? 2 : 1;
     header.vertex_count = static_cast<std::uint32_t>(proxy->mesh.vertices.size());
     header.face_count = static_cast<std::uint32_t>(proxy->mesh.faces.size());
   }
@@ -66,7 +66,7 @@ std::optional<std::optional<Proxy>> decode_entry(std::span<const std::byte> byte
   const std::uint64_t vertex_bytes = std::uint64_t{header.vertex_count} * sizeof(LatticePoint);
   if (bytes.size() != vertex_bytes + std::uint64_t{header.face_count} * kFaceBytes) return std::nullopt;
   if (header.stored == 0) return std::optional<Proxy>();
-  if (header.face_count == 0 || header.step_shift > kStepShiftMost) return std::nullopt;
+  if (header.stored > 2 || header.face_count == 0 || header.step_shift > kStepShiftMost) return std::nullopt;
   // Neither steps nor metres, which are no shorter, go beyond the lattice.
   for (const double number : header.numbers)
     if (!(number >= 0 && number <= 2.0 * kLatticeExtentMax)) return std::nullopt;
@@ -74,6 +74,7 @@ std::optional<std::optional<Proxy>> decode_entry(std::span<const std::byte> byte
   const auto& n = header.numbers;
   proxy.error = {n[0], n[1], n[2], n[3], n[4]};
   proxy.tolerance = n[5];
+  proxy.is_bounded = header.stored == 2;
   proxy.step_shift = header.step_shift;
   proxy.mesh.vertices.resize(header.vertex_count);
   if (vertex_bytes > 0) std::memcpy(proxy.mesh.vertices.data(), bytes.data(), vertex_bytes);

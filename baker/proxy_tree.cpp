@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <optional>
 
@@ -95,6 +96,7 @@ class Builder {
       state.proxy = *std::move(known);
     } else {
       state.proxy = simplify_leaf(context_, zone, state.detail, detail_surface(i));
+      work_ += state.proxy->work;
       cache_.add(state.key, state.proxy);
     }
     if (state.detail.step_shift == 0) return;
@@ -103,6 +105,8 @@ class Builder {
     SurfaceError& moved = state.detail.error;
     moved =
         measure_proxy(state.detail.mesh, std::span(&surface, 1), context_.materials, context_.looks, context_.step_m);
+    if (moved.is_loose && state.detail.mesh.faces.size() == zone.detail.faces.size())
+      moved.max_m = std::min(moved.max_m, rounding_m(context_.step_m, state.detail.step_shift));
     state.proxy->error.max_m = std::max(state.proxy->error.max_m, moved.max_m);
     state.proxy->error.appearance_m = std::max(state.proxy->error.appearance_m, moved.appearance_m);
   }
@@ -160,6 +164,7 @@ class Builder {
       append(joint, detail);
       append(proxy.mesh, own.mesh);
       proxy.step_shift = own.step_shift;
+      proxy.is_bounded = proxy.is_bounded || own.is_bounded;
       error.add(own.error, area_of(detail));
       detail_error.add(states_[part].detail.error, area_of(detail));
       detail = {};
@@ -211,6 +216,7 @@ class Builder {
     std::vector<DetailSurface> detail;
     for (const std::uint32_t leaf : state.leaves) detail.push_back(detail_surface(leaf));
     state.proxy = simplify_inner(context_, zone, children, detail);
+    if (state.proxy) work_ += state.proxy->work;
     cache_.add(state.key, state.proxy);
   }
 
@@ -229,6 +235,9 @@ class Builder {
       out.lost_triangles += tree_.zones[i].detail.faces.size() - detail.mesh.faces.size();
       if (detail.error.max_m > context_.error_m) ++out.coarse_zones;
     }
+    out.work = work_;
+    out.bounded_zones = static_cast<std::uint64_t>(
+        std::ranges::count_if(states_, [](const ZoneState& state) { return state.proxy && state.proxy->is_bounded; }));
     std::vector<std::uint32_t> zone_of = {0};
     out.nodes.push_back(make_node(0, -1));
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {
@@ -278,6 +287,7 @@ class Builder {
   ProxyCache& cache_;
   const std::function<void()>& done_;
   std::vector<ZoneState> states_;
+  std::atomic<std::uint64_t> work_ = 0;
 };
 
 }  // namespace

@@ -81,6 +81,11 @@ void force_below(std::size_t target, LatticeMesh& mesh) {
   }
 }
 
+void add_work(Proxy& proxy) {
+  proxy.work += proxy.error.work;
+  proxy.is_bounded = proxy.is_bounded || proxy.error.is_loose;
+}
+
 }  // namespace
 
 double rounding_m(double step_m, std::uint32_t step_shift) {
@@ -100,12 +105,17 @@ Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Prox
   // What the rounding to the zone's step moved is not there to be moved again.
   const double tolerance = (context.error_m - rounding_m(context.step_m, rounded.step_shift)) / context.step_m;
   Proxy out = rounded;
+  // What collapses keeps the bound, as long as nothing was lost before.
+  bool keeps_bound = tolerance >= kLeastTolerance && rounded.mesh.faces.size() == zone.detail.faces.size();
   if (tolerance >= kLeastTolerance) {
     LatticeMesh mesh;
     for (const bool ground : {true, false}) {
       LatticeMesh part = part_of(rounded.mesh, ground);
-      append(mesh, collapse_vertices(part, locked_vertices(*context.grid, zone, part), context.looks,
-                                     {tolerance, kLeafNormalTurnDeg, 0}));
+      const Collapsed collapsed = collapse_vertices(part, locked_vertices(*context.grid, zone, part), context.looks,
+                                                    {tolerance, kLeafNormalTurnDeg, 0});
+      append(mesh, collapsed.mesh);
+      out.work += collapsed.work.done;
+      out.is_bounded = out.is_bounded || collapsed.work.is_spent();
     }
     weld(mesh);
     out.mesh = std::move(mesh);
@@ -116,9 +126,12 @@ Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Prox
     force_below(context.leaf_triangles, out.mesh);
     out.step_shift = step_shift_for_box(bounds_of(out.mesh));
     round_to_step(out.mesh, out.step_shift);
+    keeps_bound = false;
   }
   out.error =
       measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.looks, context.step_m, context.error_m);
+  add_work(out);
+  if (keeps_bound && out.error.is_loose) out.error.max_m = std::min(out.error.max_m, context.error_m);
   return out;
 }
 
@@ -172,6 +185,7 @@ std::optional<Proxy> simplify_inner(const SimplifyContext& context, const Zone& 
   round_to_step(out.mesh, out.step_shift);
   if (out.mesh.faces.empty()) return std::nullopt;
   out.error = measure_proxy(out.mesh, detail, context.materials, context.looks, context.step_m);
+  add_work(out);
   // Refinement must never raise the promised error.
   out.error.max_m = std::max(out.error.max_m, child_error_m);
   out.error.appearance_m = std::max(out.error.appearance_m, child_appearance_m);

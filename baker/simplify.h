@@ -16,7 +16,9 @@ struct Proxy {
   LatticeMesh mesh;  // vertices are multiples of 2^step_shift
   std::uint32_t step_shift = 0;
   SurfaceError error;
-  double tolerance = 0;  // steps; what the simplification was allowed at the end
+  double tolerance = 0;     // steps; what the simplification was allowed at the end
+  std::uint64_t work = 0;   // boxes and triangles looked at for it; none where it comes from a cache
+  bool is_bounded = false;  // it took all the work that it may: with more, triangles or stored distances would be fewer
 };
 
 struct SimplifyContext {

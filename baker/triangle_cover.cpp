@@ -129,6 +129,8 @@ Cover cover(const Corners& triangle, const CoverLimits& limits,
   const DistanceTriangle* hint = nullptr;  // what covered the last piece often covers the next one
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const Corners piece = pieces[i];
+    if (limits.work != nullptr) ++limits.work->done;
+    const bool is_spent = limits.work != nullptr && limits.work->is_spent();
     if (hint != nullptr) {
       const double most = farthest(piece, *hint);
       if (most <= limits.enough) {
@@ -138,7 +140,12 @@ Cover cover(const Corners& triangle, const CoverLimits& limits,
     }
     const glm::dvec3 center = (piece[0] + piece[1] + piece[2]) / 3.0;
     double distance = std::numeric_limits<double>::infinity();
-    const DistanceTriangle* found = nearest(center, distance);
+    const DistanceTriangle* found = is_spent ? hint : nullptr;
+    if (found != nullptr) {
+      distance = found->distance(center);
+    } else {
+      found = nearest(center, distance);
+    }
     double most = std::numeric_limits<double>::infinity();
     if (found != nullptr) {
       double radius = 0;
@@ -150,7 +157,7 @@ Cover cover(const Corners& triangle, const CoverLimits& limits,
       out.most = std::max(out.most, most);
       continue;
     }
-    const bool has_room = pieces.size() < limits.pieces;
+    const bool has_room = pieces.size() < limits.pieces && !is_spent;
     if (has_room && found != nullptr && cut_away(piece, *found, limits, pieces, out.most)) continue;
     std::size_t longest = 0;
     std::array<double, 3> sides;

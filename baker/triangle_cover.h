@@ -25,6 +25,7 @@ struct CoverLimits {
   double least_piece = 1;     // pieces with shorter sides are not halved
   std::uint32_t pieces = 0;   // looked at, at most
   bool stop_outside = false;  // stop at the first piece that is not within `enough`
+  Work* work = nullptr;       // when it is spent, pieces are not halved any more; one a piece is added to it
 };
 
 struct Cover {

@@ -35,6 +35,10 @@ constexpr double kLookTolerance = 0.25;    // of the tolerance: narrower stripes
 constexpr double kNear = 0.01;             // of the tolerance: no need to look for what is nearer still
 constexpr double kWide = 1;                // tolerances
 constexpr int kRounds = 6;
+constexpr std::uint64_t kLooksAWork = 8;  // looks at a face of a list are so many times cheaper than at one of a tree
+// Twice what the zones of the cities that we know take at most: seven million with 635 faces, ten with 2,968.
+constexpr std::uint64_t kLeastWork = 16'000'000;
+constexpr std::uint64_t kWorkPerFace = 8'000;
 
 using Face = std::uint32_t;
 using Vertex = std::uint32_t;
@@ -105,8 +109,8 @@ double narrowest(const Corners& c) {
 // What stays the same while vertices collapse: the input, a tree over it, its samples.
 class Reference {
  public:
-  Reference(const LatticeMesh& mesh, std::span<const std::uint16_t> looks, double tolerance)
-      : mesh_(mesh), looks_(looks), bvh_(mesh, looks), tolerance_(tolerance), edges_(sorted_edges(mesh)) {
+  Reference(const LatticeMesh& mesh, std::span<const std::uint16_t> looks, double tolerance, Work& work)
+      : work_(work), mesh_(mesh), looks_(looks), bvh_(mesh, looks), tolerance_(tolerance), edges_(sorted_edges(mesh)) {
     double area = 0;
     for (const LatticeFace& face : mesh.faces) area += face_area(mesh, face);
     LatticeMesh wide;
@@ -153,7 +157,7 @@ class Reference {
   }
 
   void add_sample(const glm::dvec3& p, Face face) {
-    samples_.push_back({p, bvh_.looks_within(p, kLookTolerance * tolerance_) | look_bit(look(face)), face});
+    samples_.push_back({p, bvh_.looks_within(p, kLookTolerance * tolerance_, look_bit(look(face)), &work_), face});
   }
 
   [[nodiscard]] const LatticeMesh& mesh() const { return mesh_; }
@@ -162,7 +166,7 @@ class Reference {
   [[nodiscard]] const std::vector<Sample>& samples() const { return samples_; }
   [[nodiscard]] double tolerance() const { return tolerance_; }
   [[nodiscard]] bool is_at_wide_faces(const glm::dvec3& p) const {
-    return wide_.closest_of_look(p, 0, 2 * tolerance_) <= tolerance_;
+    return wide_.closest_of_look(p, 0, 2 * tolerance_, 0, &work_) <= tolerance_;
   }
   [[nodiscard]] std::uint16_t look(Face f) const { return looks_[mesh_.faces[f].material]; }
   [[nodiscard]] glm::dvec3 point(Vertex v) const {
@@ -171,6 +175,7 @@ class Reference {
   }
 
  private:
+  Work& work_;
   const LatticeMesh& mesh_;
   std::span<const std::uint16_t> looks_;
   DistanceBvh bvh_;
@@ -183,8 +188,9 @@ class Reference {
 // One run over all vertices, the cheapest collapse first.
 class Collapser {
  public:
-  Collapser(const Reference& reference, const std::vector<bool>& locked, const CollapseOptions& options)
-      : reference_(reference),
+  Collapser(const Reference& reference, const std::vector<bool>& locked, const CollapseOptions& options, Work& work)
+      : work_(work),
+        reference_(reference),
         options_(options),
         locked_(locked),
         min_cos_(std::cos(options.normal_turn_deg * std::numbers::pi / 180.0)),
@@ -215,7 +221,7 @@ class Collapser {
 
   LatticeMesh run() {
     for (Vertex u = 0; u < vertices_.size(); ++u) push(u);
-    while (!queue_.empty() && left_ > options_.target_faces) {
+    while (!queue_.empty() && left_ > options_.target_faces && !work_.is_spent()) {
       const Candidate next = queue_.top();
       queue_.pop();
       if (vertices_[next.u].version == next.version && is_legal(next.u, next.v)) apply(next.u, next.v);
@@ -229,6 +235,11 @@ class Collapser {
       out.faces.push_back(face);
     }
     return out;
+  }
+
+  // Where it lies in the reference.
+  [[nodiscard]] bool is_as_before(Face f) const {
+    return faces_[f].alive && faces_[f].v == reference_.mesh().faces[f].v;
   }
 
  private:
@@ -294,6 +305,7 @@ class Collapser {
       const double cost = from.quadric.at(vertices_[v].point - origin_) + kLengthWeight * glm::dot(step, step);
       queue_.push({cost, u, v, from.version});
     }
+    work_.done += from.faces.size();
   }
 
   // Sorts u's faces into those that vanish and those that move, and says whether the latter may.
@@ -303,6 +315,7 @@ class Collapser {
     const double narrow = options_.tolerance;
     for (const Face f : vertices_[u].faces) {
       const FaceState& face = faces_[f];
+      work_.done += 1 + (vertices_[v].faces.size() + moving_.size()) / kLooksAWork;
       if (holds(face.v, v)) {
         vanishing_.push_back(f);
         continue;
@@ -327,6 +340,7 @@ class Collapser {
 
   [[nodiscard]] int faces_at(Vertex a, Vertex b) const {
     int count = 0;
+    work_.done += 1 + vertices_[a].faces.size() / kLooksAWork;
     for (const Face f : vertices_[a].faces) count += holds(faces_[f].v, b) ? 1 : 0;
     return count;
   }
@@ -351,6 +365,7 @@ class Collapser {
       for (const Vertex w : faces_[f].v) {
         if (w == u || w == v) continue;
         int after = 0;  // of the edge v, w
+        work_.done += 1 + (vertices_[v].faces.size() + moving_.size()) / kLooksAWork;
         for (const Face g : vertices_[v].faces) after += holds(faces_[g].v, w) && !vanishes(g) ? 1 : 0;
         for (const Face g : moving_) after += holds(faces_[g].v, w) ? 1 : 0;
         if (!stays(v, w, faces_at(u, w), faces_at(v, w), after)) return false;
@@ -362,6 +377,7 @@ class Collapser {
       for (const Vertex w : faces_[f].v)
         if (w != u) across[n++] = w;
       int after = 0;
+      work_.done += 1 + vertices_[across[0]].faces.size() / kLooksAWork;
       for (const Face g : vertices_[across[0]].faces) after += holds(faces_[g].v, across[1]) && !vanishes(g) ? 1 : 0;
       const int before = faces_at(across[0], across[1]);
       if (!stays(across[0], across[1], before, before, after)) return false;
@@ -391,6 +407,7 @@ class Collapser {
         for (const TargetFace& target : targets_) {
           if ((sample.looks & target.look) == 0) continue;
           const double distance = target.triangle.distance(sample.point);
+          ++work_.done;
           if (distance < best) {
             best = distance;
             face = target.face;
@@ -432,9 +449,10 @@ class Collapser {
     const double enough = std::min(kStarNear * options_.tolerance, options_.tolerance - before);
     if (enough <= 0) return std::numeric_limits<double>::infinity();
     const Cover found =
-        cover(moved, {enough, kStarMargin * enough, kLeastPiece * options_.tolerance, kStarPieces, true},
+        cover(moved, {enough, kStarMargin * enough, kLeastPiece * options_.tolerance, kStarPieces, true, &work_},
               [&](const glm::dvec3& p, double& distance) {
                 const DistanceTriangle* nearest = nullptr;
+                work_.done += star_.size();
                 for (const DistanceTriangle& t : star_) {
                   const double d = t.distance(p);
                   if (d >= distance) continue;
@@ -449,11 +467,11 @@ class Collapser {
   [[nodiscard]] Cover cover_by_reference(Face f, const Corners& moved) const {
     const double tolerance = options_.tolerance;
     const std::uint64_t look = look_bit(reference_.look(f));
-    return cover(moved, {tolerance, kMargin * tolerance, kLeastPiece * tolerance, kCoverPieces, true},
+    return cover(moved, {tolerance, kMargin * tolerance, kLeastPiece * tolerance, kCoverPieces, true, &work_},
                  [&](const glm::dvec3& p, double& distance) {
                    const DistanceTriangle* found = nullptr;
                    double near = tolerance;
-                   reference_.bvh().nearest(p, look, kNear * tolerance, found, near);
+                   reference_.bvh().nearest(p, look, kNear * tolerance, found, near, &work_);
                    if (found != nullptr) distance = near;
                    return found;
                  });
@@ -469,7 +487,10 @@ class Collapser {
     for (const Face f : vanishing_) {
       faces_[f].alive = false;
       for (const Vertex w : faces_[f].v)
-        if (w != u) std::erase(vertices_[w].faces, f);
+        if (w != u) {
+          work_.done += 1 + vertices_[w].faces.size() / kLooksAWork;
+          std::erase(vertices_[w].faces, f);
+        }
     }
     left_ -= vanishing_.size();
     for (std::size_t i = 0; i < moving_.size(); ++i) {
@@ -497,6 +518,7 @@ class Collapser {
     std::uint64_t look = 0;
   };
 
+  Work& work_;
   const Reference& reference_;
   CollapseOptions options_;
   const std::vector<bool>& locked_;
@@ -517,16 +539,17 @@ class Collapser {
 };
 
 // Adds samples where the reference is not within the tolerance of `result`; false: there are none.
-bool add_samples_outside(Reference& reference, const LatticeMesh& result) {
+bool add_samples_outside(Reference& reference, const Collapser& collapser, const LatticeMesh& result, Work& work) {
   const DistanceBvh bvh(result);
   const double tolerance = reference.tolerance();
-  const CoverLimits limits = {tolerance, kMargin * tolerance, kLeastPiece * tolerance, kCheckPieces, false};
+  const CoverLimits limits = {tolerance, kMargin * tolerance, kLeastPiece * tolerance, kCheckPieces, false, &work};
   bool added = false;
   for (Face f = 0; f < reference.mesh().faces.size(); ++f) {
+    if (collapser.is_as_before(f)) continue;
     const Cover found = cover(corners_of(reference.mesh(), reference.mesh().faces[f]), limits,
                               [&](const glm::dvec3& p, double& distance) {
                                 const DistanceTriangle* triangle = nullptr;
-                                bvh.nearest(p, kEveryLook, kNear * tolerance, triangle, distance);
+                                bvh.nearest(p, kEveryLook, kNear * tolerance, triangle, distance, &work);
                                 return triangle;
                               });
     if (found.within) continue;
@@ -538,19 +561,29 @@ bool add_samples_outside(Reference& reference, const LatticeMesh& result) {
 
 }  // namespace
 
-LatticeMesh collapse_vertices(const LatticeMesh& mesh, const std::vector<bool>& locked,
-                              std::span<const std::uint16_t> looks, const CollapseOptions& options) {
+Collapsed collapse_vertices(const LatticeMesh& mesh, const std::vector<bool>& locked,
+                            std::span<const std::uint16_t> looks, const CollapseOptions& options) {
   ZC_CHECK(locked.size() == mesh.vertices.size());
-  if (mesh.faces.empty()) return mesh;
-  Reference reference(mesh, looks, options.tolerance);
-  for (int round = 0; round < kRounds; ++round) {
-    LatticeMesh out = Collapser(reference, locked, options).run();
-    if (!add_samples_outside(reference, out)) {
-      clean(out);
+  if (mesh.faces.empty()) return {mesh, {}};
+  const std::uint64_t most = kLeastWork + kWorkPerFace * mesh.faces.size();
+  Work work{most};
+  bool was_spent = false;
+  Reference reference(mesh, looks, options.tolerance, work);
+  for (int round = 0; round < kRounds && !work.is_spent(); ++round) {
+    // A quarter of what is left is for the check.
+    work.most = most - (most - work.done) / 4;
+    Collapser collapser(reference, locked, options, work);
+    Collapsed out = {collapser.run(), {}};
+    was_spent = was_spent || work.is_spent();
+    work.most = most;
+    if (!add_samples_outside(reference, collapser, out.mesh, work)) {
+      clean(out.mesh);
+      out.work = work;
+      if (was_spent) out.work.most = out.work.done;
       return out;
     }
   }
-  return mesh;
+  return {mesh, work};
 }
 
 }  // namespace zc

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "baker/lattice_mesh.h"
+#include "baker/work.h"
 
 namespace zc {
 
@@ -23,9 +24,14 @@ struct CollapseOptions {
   std::size_t target_faces = 0;  // stop here; 0: collapse all that the tolerance allows
 };
 
+struct Collapsed {
+  LatticeMesh mesh;
+  Work work;  // is spent where more of it would have left fewer faces
+};
+
 // locked: per vertex of `mesh`; those stay, and so do edges between them. looks: per material. The result is within the
 // tolerance of `mesh`, two-sided; the input itself where nothing simpler is.
-LatticeMesh collapse_vertices(const LatticeMesh& mesh, const std::vector<bool>& locked,
-                              std::span<const std::uint16_t> looks, const CollapseOptions& options);
+Collapsed collapse_vertices(const LatticeMesh& mesh, const std::vector<bool>& locked,
+                            std::span<const std::uint16_t> looks, const CollapseOptions& options);
 
 }  // namespace zc

@@ -205,11 +205,12 @@ class AdversarialBake : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  Result<BakeReport> bake(Scene scene, std::uint32_t leaf_triangles = 400) {
+  Result<BakeReport> bake(Scene scene, std::uint32_t leaf_triangles = 400, bool light = true) {
     BakeOptions options;
     options.threads = 2;
     options.leaf_triangles = leaf_triangles;
     options.reuse = false;
+    options.light = light;
     return bake_world(std::move(scene), 0, options, folder_ / "world");
   }
 
@@ -602,6 +603,55 @@ TEST_F(AdversarialBake, FansOfThousandsOfTriangles) {
     for (int i = 0; i < kTriangles; ++i) maker.triangle({0, 0, height}, at(i), at(i + 1), 0);
     maker.object(ObjectKind::kObject);
     expect_bounds(maker.scene, 400, 0.1);
+  }
+}
+
+// Counts, not times. Simplification's work grows no faster than a zone, whatever lies on top of what. Small ones are
+// searched as long as it takes: there the work grows as the square, to what these sizes are held to.
+TEST_F(AdversarialBake, WorkGrowsAsTheInputDoes) {
+  const auto turn = [](int i, int count) { return 2 * M_PI * i / count; };
+  const auto book = [&](SceneMaker& maker, int count) {  // pages at one edge
+    for (int i = 0; i < count; ++i)
+      maker.triangle({0, 0, 0}, {0, 0, 100}, {std::cos(turn(i, count)) * 100, std::sin(turn(i, count)) * 100, 50}, 0);
+  };
+  const auto fan = [&](SceneMaker& maker, int count) {
+    const auto at = [&](int i) {
+      return glm::dvec3(std::cos(turn(i, count)) * 100, std::sin(turn(i, count)) * 100, 0.05 * (i * 7 % 3));
+    };
+    for (int i = 0; i < count; ++i) maker.triangle({0, 0, 0}, at(i), at((i + 1) % count), 0);
+  };
+  const auto soup = [](SceneMaker& maker, int count) {
+    std::mt19937_64 random(9);
+    for (int i = 0; i < count; ++i)
+      maker.triangle(random_point(random, 100), random_point(random, 100), random_point(random, 100),
+                     static_cast<std::uint16_t>(i % 4));
+  };
+  const auto points = [](SceneMaker& maker, int count) {  // of one long side, all at one corner
+    for (int i = 0; i < count; ++i)
+      maker.triangle({i * 0.01, 0, 0}, {(i + 1) * 0.01, 0, 0}, {count * 0.005, 100, 0}, 0);
+  };
+  constexpr double kGrowth = 2.5;
+  constexpr double kWorkPerTriangle = 30'000;
+  struct Shape {
+    std::function<void(SceneMaker&, int)> make;
+    bool reaches_bound;  // at these sizes
+  };
+  for (const auto& [shape, reaches_bound] : {Shape{book, true}, {fan, true}, {soup, true}, {points, false}}) {
+    std::array<double, 2> work = {};
+    for (const int doubled : {0, 1}) {
+      const int count = 8000 << doubled;
+      SceneMaker maker;
+      shape(maker, count);
+      maker.object(ObjectKind::kObject);
+      const auto report = bake(maker.scene, 40000, /*light=*/false);
+      ASSERT_TRUE(report.ok()) << report.error().describe();
+      work[static_cast<std::size_t>(doubled)] = static_cast<double>(report->simplify_work);
+      EXPECT_GT(report->simplify_work, 0U);
+      EXPECT_LE(report->simplify_work, kWorkPerTriangle * count);
+    }
+    if (reaches_bound) {
+      EXPECT_LE(work[1], kGrowth * work[0]);
+    }
   }
 }
 

@@ -162,18 +162,18 @@ LatticeMesh wall_with_window(double depth) {
 
 TEST(VertexCollapse, AFlatGridBecomesTwoTriangles) {
   const LatticeMesh grid = flat_grid(20, false);
-  EXPECT_EQ(collapse_vertices(grid, unlocked(grid), kLooks, {2.0, 2, 0}).faces.size(), 2U);
+  EXPECT_EQ(collapse_vertices(grid, unlocked(grid), kLooks, {2.0, 2, 0}).mesh.faces.size(), 2U);
 }
 
 TEST(VertexCollapse, BordersBetweenLooksStayUntilLooksAreTheSame) {
   const LatticeMesh grid = flat_grid(20, true);
-  const LatticeMesh kept = collapse_vertices(grid, unlocked(grid), kLooks, {2.0, 2, 0});
+  const LatticeMesh kept = collapse_vertices(grid, unlocked(grid), kLooks, {2.0, 2, 0}).mesh;
   EXPECT_EQ(kept.faces.size(), 4U);
   double road = 0;
   for (const auto& face : kept.faces) road += face.material == 3 ? face_area(kept, face) : 0;
   EXPECT_DOUBLE_EQ(road, 20.0 * 10 * 256 * 256);
   const std::array<std::uint16_t, 4> same = {};
-  EXPECT_EQ(collapse_vertices(grid, unlocked(grid), same, {2.0, 2, 0}).faces.size(), 2U);
+  EXPECT_EQ(collapse_vertices(grid, unlocked(grid), same, {2.0, 2, 0}).mesh.faces.size(), 2U);
 }
 
 TEST(VertexCollapse, LockedVerticesAndTheEdgesBetweenThemStay) {
@@ -184,7 +184,7 @@ TEST(VertexCollapse, LockedVerticesAndTheEdgesBetweenThemStay) {
     locked[i] = grid.vertices[i][0] == 0;
     if (locked[i]) border.insert(grid.vertices[i]);
   }
-  const LatticeMesh out = collapse_vertices(grid, locked, kLooks, {25.6, 45, 0});
+  const LatticeMesh out = collapse_vertices(grid, locked, kLooks, {25.6, 45, 0}).mesh;
   std::size_t edges = 0;
   for (const auto& face : out.faces)
     for (std::size_t i = 0; i < 3; ++i)
@@ -197,7 +197,7 @@ TEST(VertexCollapse, LockedVerticesAndTheEdgesBetweenThemStay) {
 
 TEST(VertexCollapse, AShallowRevealGoesADeepOneStays) {
   const LatticeMesh shallow = wall_with_window(0.03);
-  const LatticeMesh flat = collapse_vertices(shallow, unlocked(shallow), kLooks, {25.6, 2, 0});
+  const LatticeMesh flat = collapse_vertices(shallow, unlocked(shallow), kLooks, {25.6, 2, 0}).mesh;
   EXPECT_LE(flat.faces.size(), 10U);  // eight around the window, two in it
   for (const auto& p : flat.vertices) EXPECT_EQ(p[1], flat.vertices[0][1]);
   double glass = 0;
@@ -205,7 +205,7 @@ TEST(VertexCollapse, AShallowRevealGoesADeepOneStays) {
   EXPECT_DOUBLE_EQ(glass, 4.0 * 256 * 256);
 
   const LatticeMesh deep = wall_with_window(0.5);
-  const LatticeMesh kept = collapse_vertices(deep, unlocked(deep), kLooks, {25.6, 2, 0});
+  const LatticeMesh kept = collapse_vertices(deep, unlocked(deep), kLooks, {25.6, 2, 0}).mesh;
   EXPECT_EQ(kept.faces.size(), 8U + 8U + 2U);
 }
 
@@ -223,7 +223,7 @@ TEST(VertexCollapse, APoleOfManySidesStaysClosed) {
   }
   maker.object(ObjectKind::kObject);
   const LatticeMesh pole = mesh_of(std::move(maker.scene));
-  const LatticeMesh out = collapse_vertices(pole, unlocked(pole), kLooks, {25.6, 2, 0});
+  const LatticeMesh out = collapse_vertices(pole, unlocked(pole), kLooks, {25.6, 2, 0}).mesh;
   EXPECT_LE(out.faces.size(), 12U);
   EXPECT_GE(out.faces.size(), 4U);
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
@@ -245,7 +245,7 @@ TEST(VertexCollapse, TheResultIsWithinTheToleranceBothWays) {
   maker.object(ObjectKind::kObject);
   const LatticeMesh mesh = mesh_of(std::move(maker.scene));
   for (const double tolerance : {5.0, 25.6, 128.0}) {
-    const LatticeMesh out = collapse_vertices(mesh, unlocked(mesh), kLooks, {tolerance, 10, 0});
+    const LatticeMesh out = collapse_vertices(mesh, unlocked(mesh), kLooks, {tolerance, 10, 0}).mesh;
     EXPECT_LT(out.faces.size(), mesh.faces.size());
     EXPECT_LE(farthest_by_brute_force(out, mesh), tolerance);
     EXPECT_LE(farthest_by_brute_force(mesh, out), tolerance);
