@@ -52,12 +52,17 @@ Status write_bytes(const std::filesystem::path& at, int flags, const std::filesy
 }  // namespace
 
 // A pipe with nobody at its other end is not waited for.
-Result<InputFile> InputFile::open(const std::filesystem::path& path) {
+Result<InputFile> InputFile::open(const std::filesystem::path& path, std::uint64_t limit_bytes) {
   InputFile file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK), path.string());
   struct stat info {};
   if (file.handle_ < 0 || ::fstat(file.handle_, &info) != 0) return io_error(path, "cannot open");
   if (!S_ISREG(info.st_mode)) return Error{ErrorCode::kIo, "not a regular file", path.string()};
   file.size_bytes_ = static_cast<std::uint64_t>(info.st_size);
+  if (file.size_bytes_ > limit_bytes)
+    return Error{
+        ErrorCode::kFormat,
+        "is " + std::to_string(file.size_bytes_) + " bytes, more than the " + std::to_string(limit_bytes) + " allowed",
+        path.string()};
   return file;
 }
 
@@ -93,12 +98,7 @@ Status read_range(const std::filesystem::path& path, std::uint64_t offset_bytes,
 }
 
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, std::uint64_t limit_bytes) {
-  ZC_ASSIGN(const InputFile file, InputFile::open(path));
-  if (file.size_bytes() > limit_bytes)
-    return Error{
-        ErrorCode::kFormat,
-        "is " + std::to_string(file.size_bytes()) + " bytes, more than the " + std::to_string(limit_bytes) + " allowed",
-        path.string()};
+  ZC_ASSIGN(const InputFile file, InputFile::open(path, limit_bytes));
   std::vector<std::byte> bytes(file.size_bytes());
   ZC_TRY(file.read(0, bytes));
   return bytes;

@@ -18,8 +18,8 @@ namespace zc {
 // A file that is open for reading. Threads: any, at once.
 class InputFile {
  public:
-  // Fails when it is missing or not a regular file.
-  static Result<InputFile> open(const std::filesystem::path& path);
+  // Fails when it is missing, not a regular file, or larger than limit_bytes.
+  static Result<InputFile> open(const std::filesystem::path& path, std::uint64_t limit_bytes = UINT64_MAX);
   InputFile(InputFile&& other) noexcept;
   InputFile& operator=(InputFile&&) = delete;
   ~InputFile();

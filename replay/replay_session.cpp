@@ -35,6 +35,8 @@ constexpr std::size_t kTraceMostWords = 1U << 20U;
 // A replay that was not asked to measure begins no further step after this.
 constexpr double kMeasureMs = 2000;
 
+constexpr std::array kDebugViews = {DebugView::kProvenance, DebugView::kBvh, DebugView::kNormals, DebugView::kDepth};
+
 const char* debug_name(DebugView view) {
   switch (view) {
     case DebugView::kProvenance:
@@ -241,8 +243,8 @@ class Session {
   Status remove_earlier_pictures() const {
     std::error_code code;
     for (std::size_t c = 0; c == 0 || std::filesystem::is_directory(pictures_of(c), code); ++c) {
-      for (const char* name : {"frames", "provenance", "bvh", "normals", "depth"})
-        ZC_TRY(remove_written_pngs(pictures_of(c) / name));
+      ZC_TRY(remove_written_pngs(pictures_of(c) / "frames"));
+      for (const DebugView view : kDebugViews) ZC_TRY(remove_written_pngs(pictures_of(c) / debug_name(view)));
       if (c > 0) std::filesystem::remove(pictures_of(c), code);  // where nothing else is in it
     }
     return remove_written_png(options_.out / "contact_sheet.png");

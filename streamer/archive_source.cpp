@@ -39,16 +39,12 @@ class ArchiveSource final : public Source {
   }
 
   Result<std::vector<std::byte>> read_all(const std::string& name, std::uint64_t limit_bytes) override {
-    ZC_ASSIGN(const Place place, find(name));
-    if (place.bytes > limit_bytes)
-      return fault(name, "is " + std::to_string(place.bytes) + " bytes, more than " + std::to_string(limit_bytes));
+    ZC_ASSIGN(const Place place, find_within(name, limit_bytes));
     return read_place(place, name);
   }
 
   Result<std::unique_ptr<SourceFile>> open(const std::string& name, std::uint64_t limit_bytes) override {
-    ZC_ASSIGN(const Place place, find(name));
-    if (place.bytes > limit_bytes)
-      return fault(name, "is " + std::to_string(place.bytes) + " bytes, more than " + std::to_string(limit_bytes));
+    ZC_ASSIGN(const Place place, find_within(name, limit_bytes));
     return std::unique_ptr<SourceFile>(std::make_unique<Member>(*this, place, name));
   }
 
@@ -84,6 +80,13 @@ class ArchiveSource final : public Source {
     Status read = file_.read(offset, out);
     if (!read.ok()) return fault(name, read.error().message, read.error().code);
     return read;
+  }
+
+  [[nodiscard]] Result<Place> find_within(const std::string& name, std::uint64_t limit_bytes) const {
+    ZC_ASSIGN(const Place place, find(name));
+    if (place.bytes > limit_bytes)
+      return fault(name, "is " + std::to_string(place.bytes) + " bytes, more than " + std::to_string(limit_bytes));
+    return place;
   }
 
   [[nodiscard]] Result<Place> find(const std::string& name) const {

@@ -65,12 +65,7 @@ class DirectorySource final : public Source {
 
   Result<std::unique_ptr<SourceFile>> open(const std::string& name, std::uint64_t limit_bytes) override {
     ZC_ASSIGN(const std::filesystem::path path, locate(name));
-    ZC_ASSIGN(InputFile file, InputFile::open(path));
-    if (file.size_bytes() > limit_bytes)
-      return Error{ErrorCode::kFormat,
-                   "is " + std::to_string(file.size_bytes()) + " bytes, more than the " + std::to_string(limit_bytes) +
-                       " allowed",
-                   path.string()};
+    ZC_ASSIGN(InputFile file, InputFile::open(path, limit_bytes));
     return std::unique_ptr<SourceFile>(std::make_unique<FileOnDisk>(std::move(file)));
   }
 

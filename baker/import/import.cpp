@@ -63,14 +63,14 @@ Status import_one(const std::filesystem::path& input, std::optional<EarthFrame>&
     ZC_ASSIGN(std::ifstream stream, open_stream(is_standard_input ? "/dev/stdin" : input, path));
     return import_cityjson_seq(stream, path, {}, images, builder);
   }
-  ZC_ASSIGN(const std::uint64_t size, file_size_bytes(input));
-  std::vector<std::byte> head(std::min<std::uint64_t>(size, 64));
-  ZC_TRY(read_range(input, 0, head));
+  ZC_ASSIGN(const InputFile file, InputFile::open(input));
+  std::vector<std::byte> head(std::min<std::uint64_t>(file.size_bytes(), 64));
+  ZC_TRY(file.read(0, head));
   std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
   const bool is_glb = text.starts_with("glTF");
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   const std::size_t start = text.find_first_not_of(kBlank);
-  if (size == 0) return Error{ErrorCode::kFormat, "is empty", path};
+  if (head.empty()) return Error{ErrorCode::kFormat, "is empty", path};
   const bool is_xml = start != std::string_view::npos && text[start] == '<';
   if (!is_glb && !is_xml && (start == std::string_view::npos || text[start] != '{'))
     return Error{ErrorCode::kUnsupported, "is neither glTF, GLB, CityJSON, CityJSONSeq, CityGML nor a 3D Tiles tileset",

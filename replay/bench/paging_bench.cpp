@@ -7,6 +7,7 @@
 
 #include "replay/bench/print_figures.h"
 #include "replay/bench/stopwatch.h"
+#include "replay/world_tour.h"
 #include "streamer/cover.h"
 #include "streamer/index_file.h"
 #include "streamer/memory_plan.h"
@@ -23,14 +24,8 @@ constexpr double kLookAhead_s = 2;
 constexpr std::int32_t kLeafSide = 250 << 8;
 
 std::vector<View> views_at(const WorldIndex& index, unsigned frame, unsigned frames) {
-  const double step = index.step_m();
-  glm::dvec3 low;
-  glm::dvec3 size;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto i = static_cast<std::size_t>(axis);
-    low[axis] = (static_cast<double>(index.header.anchor[i]) + index.header.bounds_min[i]) * step;
-    size[axis] = (static_cast<double>(index.header.bounds_max[i]) - index.header.bounds_min[i]) * step;
-  }
+  const auto [low, high] = world_bounds(index);
+  const glm::dvec3 size = high - low;
   // Through the middle, along the diagonal.
   const double half_m = kSpeed_m_per_s * frames / kFramesPerSecond / 2;
   std::vector<View> views;

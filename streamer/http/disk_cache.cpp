@@ -91,20 +91,19 @@ bool DiskCache::has(const std::string& key) const {
 
 std::optional<std::vector<std::byte>> DiskCache::get(const std::string& key, std::uint64_t limit_bytes) {
   const fs::path place = place_of(key);
-  const auto size = file_size_bytes(place);
-  if (!size) return std::nullopt;
+  const auto file = InputFile::open(place);
   EntryHeader header;
   const std::uint64_t front = sizeof header + key.size();
   std::vector<std::byte> head(front);
-  if (*size >= front && read_range(place, 0, head).ok()) {
+  if (file && file->size_bytes() >= front && file->read(0, head).ok()) {
     std::memcpy(&header, head.data(), sizeof header);
     const bool sound = header.magic == EntryHeader{}.magic && header.key_bytes == key.size() &&
-                       header.bytes == *size - front &&
+                       header.bytes == file->size_bytes() - front &&
                        std::memcmp(head.data() + sizeof header, key.data(), key.size()) == 0;
     if (sound && header.bytes > limit_bytes) return std::nullopt;
     if (sound) {
       std::vector<std::byte> bytes(header.bytes);
-      if (read_range(place, front, bytes).ok() &&
+      if (file->read(front, bytes).ok() &&
           XXH3_64bits_withSeed(bytes.data(), bytes.size(), XXH3_64bits(key.data(), key.size())) == header.xxh3) {
         std::error_code failure;
         fs::last_write_time(place, fs::file_time_type::clock::now(), failure);
