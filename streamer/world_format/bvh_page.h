@@ -27,7 +27,7 @@
 namespace zc {
 
 struct BvhFileHeader {
-  std::array<char, 4> magic = {'Z', 'B', 'V', '4'};
+  std::array<char, 4> magic = {'Z', 'B', 'V', '5'};
   std::uint32_t flags = 0;  // as in gpu::PageHeader
   std::uint32_t look_count = 0;
   std::uint32_t curved_count = 0;

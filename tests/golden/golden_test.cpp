@@ -140,11 +140,11 @@ WorldIndex make_index() {
   return index;
 }
 
-TEST(Golden, WorldIndexVersion4) {
-  static_assert(kWorldVersion == 4, "a new version needs a new file beside world_v4.zcw");
+TEST(Golden, WorldIndexVersion5) {
+  static_assert(kWorldVersion == 5, "a new version needs a new file beside world_v5.zcw");
   const WorldIndex expected = make_index();
-  const auto bytes = golden("world_v4.zcw", encode_world_index(expected));
-  const auto index = decode_world_index(bytes, "world_v4.zcw");
+  const auto bytes = golden("world_v5.zcw", encode_world_index(expected));
+  const auto index = decode_world_index(bytes, "world_v5.zcw");
   ASSERT_TRUE(index.ok()) << index.error().describe();
   EXPECT_EQ(index->header.anchor, expected.header.anchor);
   EXPECT_EQ(index->header.bounds_min, expected.header.bounds_min);
@@ -161,14 +161,14 @@ TEST(Golden, WorldIndexVersion4) {
   EXPECT_EQ(node_file(index->nodes[3], "glb"), "zones/1/1_0.detail.glb");
 }
 
-TEST(Golden, BvhFileVersion4) {
-  static_assert(BvhFileHeader{}.magic[3] == '4', "a new version needs a new file beside bvh_v4.zbvh");
+TEST(Golden, BvhFileVersion5) {
+  static_assert(BvhFileHeader{}.magic[3] == '5', "a new version needs a new file beside bvh_v5.zbvh");
   const BvhFile expected = make_bvh();
   const NodeRecord node = make_node();
-  const auto bytes = golden("bvh_v4.zbvh", encode_bvh_file(expected, make_mesh(), node).bytes);
+  const auto bytes = golden("bvh_v5.zbvh", encode_bvh_file(expected, make_mesh(), node).bytes);
   ZoneMesh mesh = make_mesh();
   mesh.materials.clear();
-  const auto bvh = decode_bvh_file(bytes, mesh, node, "bvh_v4.zbvh");
+  const auto bvh = decode_bvh_file(bytes, mesh, node, "bvh_v5.zbvh");
   ASSERT_TRUE(bvh.ok()) << bvh.error().describe();
   EXPECT_EQ(bvh->depth, expected.depth);
   EXPECT_EQ(bvh->order, expected.order);
