@@ -61,7 +61,7 @@ class Bayreuth(support.Case):
 
 @needs("bayreuth.city.jsonl", "bayreuth_drive.csv")
 class BayreuthInSmallZones(support.Case):
-    """The same town in zones that take little memory to decode, from a folder and from an archive, over a slow link."""
+    """The same town in zones that take little memory to decode, over a slow link: a folder, an archive, and over HTTP."""
 
     @classmethod
     def prepare(cls):
@@ -70,6 +70,10 @@ class BayreuthInSmallZones(support.Case):
         cls.zonecast("pack", cls.worlds[0], "-o", cls.worlds[1])
         report = json.loads(cls.zonecast("inspect", cls.worlds[0], "--json"))
         cls.decoded, cls.smallest = report["decoded_bytes"], report["smallest_cap_bytes"]
+        for world in list(cls.worlds):
+            server = cls.serve(world)
+            cls.worlds.append(server.__enter__())
+            cls.addClassCleanup(server.__exit__, None, None, None)
 
     def page(self, world, cap, *more):
         out = self.folder / "out"
@@ -82,7 +86,7 @@ class BayreuthInSmallZones(support.Case):
             cap = max(self.decoded // share, self.smallest)
             logs = set()
             for world in self.worlds:
-                with self.subTest(share=share, world=world.name):
+                with self.subTest(share=share, world=str(world)):
                     stats = self.page(world, cap)
                     self.assertEqual(stats["frames_over_cap"], 0)
                     self.assertLessEqual(stats["peak_ledger_bytes"], cap)
