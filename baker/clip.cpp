@@ -2,6 +2,9 @@
 #include "baker/clip.h"
 
 #include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <tuple>
 
 namespace zc {
 namespace {
@@ -22,22 +25,48 @@ std::int32_t interpolate(std::int32_t a, std::int32_t b, std::int64_t num, std::
   return static_cast<std::int32_t>(quotient << shift);
 }
 
+// A corner of a loose face.
+struct Corner {
+  LatticePoint p;
+  float moved = 0;
+
+  auto operator<=>(const Corner&) const = default;
+};
+
+Corner corner_of(const LooseFace& face, std::size_t i) { return {face.p[i], face.moved[i]}; }
+
+glm::dvec3 between(const LatticePoint& a, const LatticePoint& b) {
+  return glm::dvec3(b[0], b[1], b[2]) - glm::dvec3(a[0], a[1], a[2]);
+}
+
+// From p to the edge, and from there to the edge as it was before its ends moved; at most.
+float distance_to_edge(const LatticePoint& p, const Corner& a, const Corner& b) {
+  const glm::dvec3 edge = between(a.p, b.p);
+  const glm::dvec3 to_p = between(a.p, p);
+  const double t = std::clamp(glm::dot(to_p, edge) / glm::dot(edge, edge), 0.0, 1.0);
+  return static_cast<float>(glm::length(to_p - t * edge) + std::lerp<double, double, double>(a.moved, b.moved, t));
+}
+
 class Clipper {
  public:
   Clipper(std::size_t axis, std::int32_t plane, const CellGrid& grid, std::vector<EdgeSplit>& splits)
       : axis_(axis), plane_(plane), grid_(grid), splits_(splits) {}
 
   // A vertex in the plane becomes a border vertex.
-  [[nodiscard]] LatticePoint settle(LatticePoint p) const {
-    if (p[axis_] != plane_) return p;
+  void settle(LatticePoint& p, float& moved) const {
+    if (p[axis_] != plane_) return;
+    const LatticePoint before = p;
     const std::uint32_t shift = point_shift(p, grid_);
-    p[1 - axis_] = round_to_step(p[1 - axis_], shift);
+    const std::size_t other = 1 - axis_;
+    p[other] = round_to_step(p[other], shift);
     p[2] = round_to_step(p[2], shift);
-    return p;
+    moved += static_cast<float>(glm::length(between(before, p)));
   }
 
-  LatticePoint intersect(LatticePoint a, LatticePoint b) {
-    if (b < a) std::swap(a, b);
+  Corner intersect(Corner from, Corner to) {
+    if (to < from) std::swap(from, to);
+    const LatticePoint& a = from.p;
+    const LatticePoint& b = to.p;
     std::int64_t den = std::int64_t{b[axis_]} - a[axis_];
     std::int64_t num = std::int64_t{plane_} - a[axis_];
     if (den < 0) {
@@ -53,25 +82,27 @@ class Clipper {
     p[axis_] = plane_;
     p[other] = along_border ? a[other] : interpolate(a[other], b[other], num, den, shift);
     p[2] = interpolate(a[2], b[2], num, den, shift);
-    if (along_border && p != a && p != b) splits_.push_back({a, b, p});
-    return p;
+    const float moved = distance_to_edge(p, from, to);
+    if (along_border && p != a && p != b) splits_.push_back({a, b, p, moved});
+    return {p, moved};
   }
 
   // The part of the face on one side (sign -1: low, +1: high), as a fan.
   void keep_side(const LooseFace& face, int sign, std::vector<LooseFace>& out) {
-    std::array<LatticePoint, 4> corners;
+    std::array<Corner, 4> corners;
     std::size_t count = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-      const LatticePoint& a = face.p[i];
-      const LatticePoint& b = face.p[(i + 1) % 3];
-      const std::int64_t da = sign * (std::int64_t{a[axis_]} - plane_);
-      const std::int64_t db = sign * (std::int64_t{b[axis_]} - plane_);
+      const Corner a = corner_of(face, i);
+      const Corner b = corner_of(face, (i + 1) % 3);
+      const std::int64_t da = sign * (std::int64_t{a.p[axis_]} - plane_);
+      const std::int64_t db = sign * (std::int64_t{b.p[axis_]} - plane_);
       if (da >= 0) corners[count++] = a;
       if ((da > 0 && db < 0) || (da < 0 && db > 0)) corners[count++] = intersect(a, b);
     }
     for (std::size_t i = 2; i < count; ++i) {
-      if (is_degenerate(corners[0], corners[i - 1], corners[i])) continue;
-      out.push_back({{corners[0], corners[i - 1], corners[i]}, face.material, face.ground});
+      const auto& [a, b, c] = std::tie(corners[0], corners[i - 1], corners[i]);
+      if (is_degenerate(a.p, b.p, c.p)) continue;
+      out.push_back({{a.p, b.p, c.p}, {a.moved, b.moved, c.moved}, face.material, face.ground});
     }
   }
 
@@ -89,7 +120,7 @@ ClipResult clip_faces(const std::vector<LooseFace>& faces, std::size_t axis, std
   ClipResult out;
   Clipper clipper(axis, plane, grid, splits);
   for (LooseFace face : faces) {
-    for (LatticePoint& p : face.p) p = clipper.settle(p);
+    for (std::size_t i = 0; i < 3; ++i) clipper.settle(face.p[i], face.moved[i]);
     if (is_degenerate(face.p[0], face.p[1], face.p[2])) continue;
     const auto [low, high] = std::minmax({face.p[0][axis], face.p[1][axis], face.p[2][axis]});
     if (high <= plane) {
@@ -125,7 +156,9 @@ void apply_splits(std::vector<LooseFace>& faces, const std::vector<EdgeSplit>& s
       }
       LooseFace half = face;
       half.p[edge] = split->point;
+      half.moved[edge] = split->moved;
       face.p[(edge + 1) % 3] = split->point;
+      face.moved[(edge + 1) % 3] = split->moved;
       faces.push_back(half);
       edge = 0;
     }

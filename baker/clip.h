@@ -14,6 +14,7 @@ namespace zc {
 
 struct LooseFace {
   std::array<LatticePoint, 3> p;
+  std::array<float, 3> moved = {};  // of each point: how far rounding took it off the face as it was, at most; steps
   std::uint16_t material = 0;
   bool ground = false;
 };
@@ -23,8 +24,9 @@ struct EdgeSplit {
   LatticePoint a;  // a < b
   LatticePoint b;
   LatticePoint point;
+  float moved = 0;
 
-  auto operator<=>(const EdgeSplit&) const = default;  // NOLINT(modernize-use-nullptr): sees one in here
+  auto operator<=>(const EdgeSplit&) const = default;
 };
 
 struct ClipResult {

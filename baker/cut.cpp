@@ -123,10 +123,12 @@ void collect_splits(Subtree& tree, std::vector<EdgeSplit>& out) {
   for (auto& child : tree.children) collect_splits(*child, out);
 }
 
-LatticeMesh leaf_mesh(Subtree& leaf, const SnappedScene& scene, const std::vector<EdgeSplit>& splits) {
+void make_detail(Subtree& leaf, const SnappedScene& scene, const std::vector<EdgeSplit>& splits) {
   apply_splits(leaf.cut, splits);
-  LatticeMesh mesh;
+  LatticeMesh& mesh = leaf.zone.detail;
   for (const auto& face : leaf.cut) {
+    float& moved = leaf.zone.moved[face.ground ? 1 : 0];
+    moved = std::max({moved, face.moved[0], face.moved[1], face.moved[2]});
     const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(), face.p.begin(), face.p.end());
     mesh.faces.push_back({{base, base + 1, base + 2}, face.material, face.ground});
@@ -143,7 +145,6 @@ LatticeMesh leaf_mesh(Subtree& leaf, const SnappedScene& scene, const std::vecto
   }
   leaf.cut = std::vector<LooseFace>();
   clean(mesh);
-  return mesh;
 }
 
 // Sorts the scene's objects into those that stay whole and loose faces.
@@ -173,7 +174,7 @@ Subtree make_root(SnappedScene& scene, std::uint32_t leaf_triangles) {
     for (std::uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i) {
       const LatticeFace& face = scene.mesh.faces[i];
       const auto& p = scene.mesh.vertices;
-      root.cut.push_back({{p[face.v[0]], p[face.v[1]], p[face.v[2]]}, face.material, face.ground});
+      root.cut.push_back({{p[face.v[0]], p[face.v[1]], p[face.v[2]]}, {}, face.material, face.ground});
     }
   }
   if (wide > 0) scene.notes.push_back({"objects wider than 128 m, cut at zone borders", wide});
@@ -207,7 +208,7 @@ bool CellGrid::on_cell_border(const Zone& zone, const LatticePoint& p) const {
   return std::ranges::any_of(std::array{p[0], p[1]}, [&](std::int64_t c) { return c > 0 && c < end && c % size == 0; });
 }
 
-CellGrid make_cell_grid(const LatticeMesh& mesh, std::int32_t step_log2) {
+CellGrid make_cell_grid(const LatticeMesh& mesh, std::int32_t step_log2, std::int64_t whole_size) {
   const LatticeBox box = bounds_of(mesh);
   const std::int64_t extent = std::max<std::int64_t>({box.max[0], box.max[1], 1}) + 1;
   CellGrid grid;
@@ -215,7 +216,8 @@ CellGrid make_cell_grid(const LatticeMesh& mesh, std::int32_t step_log2) {
                        static_cast<std::uint32_t>(-step_log2);
   grid.root_log2 =
       std::max(grid.min_cell_log2, static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint64_t>(extent - 1))));
-  grid.overhang = (2 * kWholeObjectMaxM) << -step_log2;
+  // Half of it on either side of where its centre may be. A power of two: another object hardly ever changes the grid.
+  grid.overhang = static_cast<std::int64_t>(std::bit_ceil(static_cast<std::uint64_t>(whole_size) + 1));
   grid.height = std::int64_t{box.max[2]} - std::min(box.min[2], 0);
   // Border planes are multiples of every step that is used on them.
   grid.min_cell_log2 = std::max(grid.min_cell_log2, grid.step_shift_bound(0));
@@ -231,8 +233,12 @@ std::uint32_t leaf_step_shift(double error_m, double step_m) {
 
 ZoneTree cut_zones(SnappedScene& scene, std::uint32_t leaf_triangles, std::uint32_t leaf_shift) {
   ZoneTree out;
-  out.grid = make_cell_grid(scene.mesh, scene.step_log2);
   Subtree root = make_root(scene, leaf_triangles);
+  std::int64_t whole_size = 0;
+  for (const WholeObject& object : root.whole)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      whole_size = std::max(whole_size, std::int64_t{object.box.max[axis]} - object.box.min[axis]);
+  out.grid = make_cell_grid(scene.mesh, scene.step_log2, whole_size);
   split(root, out.grid, {leaf_triangles, leaf_shift});
   std::vector<EdgeSplit> splits;
   collect_splits(root, splits);
@@ -250,7 +256,7 @@ ZoneTree cut_zones(SnappedScene& scene, std::uint32_t leaf_triangles, std::uint3
   }
   out.zones.resize(order.size());
   tbb::parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
-    if (order[i]->children.empty()) order[i]->zone.detail = leaf_mesh(*order[i], scene, splits);
+    if (order[i]->children.empty()) make_detail(*order[i], scene, splits);
     out.zones[i] = std::move(order[i]->zone);
   });
   return out;

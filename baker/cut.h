@@ -6,6 +6,8 @@
 // Owns what it returns. Deterministic at any thread count.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -20,6 +22,9 @@ struct Zone {
   std::int32_t parent = -1;
   std::vector<std::uint32_t> children;  // none: a leaf
   LatticeMesh detail;                   // of a leaf: its full-detail geometry, welded
+  std::array<float, 2> moved = {};      // steps that rounded borders lie off the source at most; [1]: of the ground
+
+  [[nodiscard]] float most_moved() const { return std::max(moved[0], moved[1]); }
 };
 
 // The arithmetic of cells and borders; lengths in steps.
@@ -48,7 +53,8 @@ struct ZoneTree {
 // What stays together has at most so many zones' worth of triangles: a zone must stay small against the memory cap.
 inline constexpr std::uint64_t kDetailMostZones = 4;
 
-CellGrid make_cell_grid(const LatticeMesh& mesh, std::int32_t step_log2);
+// whole_size: the longest side of an object's box that stays whole.
+CellGrid make_cell_grid(const LatticeMesh& mesh, std::int32_t step_log2, std::int64_t whole_size);
 
 // The largest step shift of a leaf at which rounding to its step takes two thirds of `error_m` at most.
 std::uint32_t leaf_step_shift(double error_m, double step_m);

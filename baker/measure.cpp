@@ -238,6 +238,8 @@ SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurfa
   compare(from_detail, detail, proxy_side, materials, looks, sums);
   SurfaceError error;
   const double count = static_cast<double>(std::max<std::size_t>(sums.count, 1));
+  double moved = 0;
+  for (const DetailSurface& surface : detail) moved = std::max(moved, surface.moved);
   const double promise = promise_m / step_m;
   DistanceBound bound = bound_distance(proxy, detail, sums.max, promise);
   const double known = bound.distance;
@@ -247,7 +249,7 @@ SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurfa
     bound.work += other.work;
     bound.is_loose = bound.is_loose || other.is_loose;
   }
-  error.max_m = bound.distance * step_m;
+  error.max_m = (bound.distance + moved) * step_m;
   error.work = sums.work + bound.work;
   error.is_loose = sums.is_loose || bound.is_loose;
   error.appearance_m = sums.appearance * step_m;

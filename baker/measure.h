@@ -43,6 +43,7 @@ double area_of(const LatticeMesh& mesh);  // square steps
 struct DetailSurface {
   const LatticeMesh* mesh = nullptr;
   const DistanceBvh* bvh = nullptr;
+  double moved = 0;  // no point of the mesh is farther from the source, nor one of the source from the mesh; steps
 };
 
 // Class of each material: materials of one class are hard to tell apart.

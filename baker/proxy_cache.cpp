@@ -9,7 +9,7 @@ namespace zc {
 namespace {
 
 // One more whenever simplification, measuring or an entry's form change: what they returned before is stale then.
-constexpr std::uint32_t kVersion = 7;
+constexpr std::uint32_t kVersion = 8;
 constexpr std::uint32_t kStepShiftMost = 14;  // 2^30 steps in 2^16
 
 void add_place(CacheKeyHasher& hash, const SimplifyContext& context, const Zone& zone) {
@@ -17,6 +17,7 @@ void add_place(CacheKeyHasher& hash, const SimplifyContext& context, const Zone&
   hash.add(kVersion).add(context.step_m).add(context.error_m).add(context.leaf_triangles);
   hash.add(grid.root_log2).add(grid.min_cell_log2).add(grid.overhang).add(grid.height);
   hash.add(zone.depth).add(zone.cell_x).add(zone.cell_y).add(static_cast<std::uint32_t>(zone.parent < 0));
+  hash.add(zone.moved[0]).add(zone.moved[1]);
 }
 
 constexpr std::size_t kFaceBytes = 18;

@@ -99,14 +99,16 @@ class Builder {
       work_ += state.proxy->work;
       cache_.add(state.key, state.proxy);
     }
-    if (state.detail.step_shift == 0) return;
-    // What the rounding to its step moved. Refinement never raises the promised error.
-    const DetailSurface surface = detail_surface(i);
+    // What rounding moved. Refinement never raises the promised error.
     SurfaceError& moved = state.detail.error;
+    moved.max_m = zone.most_moved() * context_.step_m;
+    if (state.detail.step_shift == 0) return;
+    const DetailSurface surface = detail_surface(i);
     moved =
         measure_proxy(state.detail.mesh, std::span(&surface, 1), context_.materials, context_.looks, context_.step_m);
     if (moved.is_loose && state.detail.mesh.faces.size() == zone.detail.faces.size())
-      moved.max_m = std::min(moved.max_m, rounding_m(context_.step_m, state.detail.step_shift));
+      moved.max_m = std::min(
+          moved.max_m, rounding_m(context_.step_m, state.detail.step_shift) + zone.most_moved() * context_.step_m);
     state.proxy->error.max_m = std::max(state.proxy->error.max_m, moved.max_m);
     state.proxy->error.appearance_m = std::max(state.proxy->error.appearance_m, moved.appearance_m);
   }
@@ -156,12 +158,14 @@ class Builder {
   // The proxies of the parts, side by side.
   void join(std::span<const std::uint32_t> parts, std::uint32_t into) {
     LatticeMesh joint;
+    std::array<float, 2> moved = {};
     Proxy proxy;
     ErrorSum error, detail_error;
     for (const std::uint32_t part : parts) {
       LatticeMesh& detail = tree_.zones[part].detail;
       const Proxy& own = *states_[part].proxy;
       append(joint, detail);
+      for (std::size_t g = 0; g < 2; ++g) moved[g] = std::max(moved[g], tree_.zones[part].moved[g]);
       append(proxy.mesh, own.mesh);
       proxy.step_shift = own.step_shift;
       proxy.is_bounded = proxy.is_bounded || own.is_bounded;
@@ -175,6 +179,7 @@ class Builder {
     proxy.error = error.joint();
     Zone& zone = tree_.zones[into];
     zone.detail = std::move(joint);
+    zone.moved = moved;
     ZoneState& state = states_[into];
     state.detail = round_detail(zone.detail);
     state.detail.error = detail_error.joint();
@@ -186,7 +191,7 @@ class Builder {
   // One caller at a time for a leaf: inner zones of one depth have none in common.
   DetailSurface detail_surface(std::size_t leaf) {
     if (states_[leaf].bvh.empty()) states_[leaf].bvh = DistanceBvh(tree_.zones[leaf].detail, context_.looks);
-    return {&tree_.zones[leaf].detail, &states_[leaf].bvh};
+    return {&tree_.zones[leaf].detail, &states_[leaf].bvh, tree_.zones[leaf].most_moved()};
   }
 
   void build_inner(std::size_t i) {
@@ -231,7 +236,7 @@ class Builder {
     ProxyTree out;
     for (std::size_t i = 0; i < tree_.zones.size(); ++i) {
       const Proxy& detail = states_[i].detail;
-      if (!tree_.zones[i].children.empty() || detail.step_shift == 0) continue;
+      if (!tree_.zones[i].children.empty()) continue;
       out.lost_triangles += tree_.zones[i].detail.faces.size() - detail.mesh.faces.size();
       if (detail.error.max_m > context_.error_m) ++out.coarse_zones;
     }

@@ -102,8 +102,9 @@ Proxy round_detail(const LatticeMesh& detail) {
 
 Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Proxy& rounded,
                     const DetailSurface& detail) {
-  // What the rounding to the zone's step moved is not there to be moved again.
-  const double tolerance = (context.error_m - rounding_m(context.step_m, rounded.step_shift)) / context.step_m;
+  // What rounding moved is not there to be moved again.
+  const double rest = (context.error_m - rounding_m(context.step_m, rounded.step_shift)) / context.step_m;
+  const double tolerance = rest - zone.most_moved();
   Proxy out = rounded;
   // What collapses keeps the bound, as long as nothing was lost before.
   bool keeps_bound = tolerance >= kLeastTolerance && rounded.mesh.faces.size() == zone.detail.faces.size();
@@ -112,7 +113,7 @@ Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Prox
     for (const bool ground : {true, false}) {
       LatticeMesh part = part_of(rounded.mesh, ground);
       const Collapsed collapsed = collapse_vertices(part, locked_vertices(*context.grid, zone, part), context.looks,
-                                                    {tolerance, kLeafNormalTurnDeg, 0});
+                                                    {rest - zone.moved[ground ? 1 : 0], kLeafNormalTurnDeg, 0});
       append(mesh, collapsed.mesh);
       out.work += collapsed.work.done;
       out.is_bounded = out.is_bounded || collapsed.work.is_spent();
@@ -131,7 +132,7 @@ Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Prox
   out.error =
       measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.looks, context.step_m, context.error_m);
   add_work(out);
-  if (keeps_bound && out.error.is_loose) out.error.max_m = std::min(out.error.max_m, context.error_m);
+  if (keeps_bound) out.error.max_m = std::min(out.error.max_m, context.error_m);
   return out;
 }
 

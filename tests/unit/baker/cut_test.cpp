@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -172,6 +174,34 @@ TEST(Cut, ZonesOfFewTrianglesAreSplitUntilTheirStepIsFine) {
     for (const LatticeFace& face : zone.detail.faces) houses += face.ground ? 0 : 1;
   }
   EXPECT_EQ(houses, 30U);
+}
+
+TEST(Cut, ZonesTellHowFarRoundedBordersLieOffTheGround) {
+  SceneMaker maker;  // a slope of 40 km, in triangles of 1.3 km
+  const auto at = [](int i, int j) {
+    return glm::dvec3(1303.7 * i, 1301.3 * j, 0.037 * 1303.7 * i + 0.011 * 1301.3 * j);
+  };
+  for (int i = 0; i < 31; ++i)
+    for (int j = 0; j < 31; ++j) maker.quad(at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1), 0);
+  maker.object(ObjectKind::kGround);
+  SnappedScene scene = snapped(std::move(maker.scene));
+  const double snap = std::sqrt(0.75);
+  const ZoneTree tree = cut_zones(scene, 10);
+  double farthest = 0;
+  double near_to_step = std::numeric_limits<double>::infinity();
+  for (const Zone& zone : tree.zones) {
+    if (!zone.children.empty()) continue;
+    double off = 0;
+    for (const LatticePoint& p : zone.detail.vertices) {
+      const glm::dvec3 q(p[0] + scene.anchor[0], p[1] + scene.anchor[1], p[2] + scene.anchor[2]);
+      off = std::max(off, std::abs(0.037 * q.x + 0.011 * q.y - q.z) / std::sqrt(1 + 0.037 * 0.037 + 0.011 * 0.011));
+    }
+    EXPECT_LE(off, zone.moved[1] + snap);
+    farthest = std::max(farthest, off);
+    near_to_step = std::min<double>(near_to_step, zone.moved[1]);
+  }
+  EXPECT_GT(farthest, 20);      // steps: the case is hard
+  EXPECT_LT(near_to_step, 20);  // and only so where coarse borders are
 }
 
 }  // namespace
