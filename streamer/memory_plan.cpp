@@ -45,8 +45,9 @@ PageSums sum_pages(const WorldIndex& index, bool include_detail) {
 }
 
 // What is there whatever is loaded, with the root's share of what is kept per page.
-std::uint64_t fixed_bytes(const WorldIndex& index) {
-  return index.resident_bytes() + kFixedStateBytes + index.nodes.size() * kPagerBytesPerNode + kBytesPerPage;
+std::uint64_t fixed_bytes(const WorldIndex& index, std::uint64_t source_bytes) {
+  return index.resident_bytes() + source_bytes + kFixedStateBytes + index.nodes.size() * kPagerBytesPerNode +
+         kBytesPerPage;
 }
 
 // What one load may take.
@@ -111,16 +112,17 @@ LoadLimits load_limits(const MemoryPlan& plan, bool include_detail) {
   return {plan.in_flight_bytes, plan.scratch_bytes, include_detail};
 }
 
-std::uint64_t smallest_cap_bytes(const WorldIndex& index) {
+std::uint64_t smallest_cap_bytes(const WorldIndex& index, std::uint64_t source_bytes) {
   const NodeRecord& root = index.nodes[0];
-  const std::uint64_t running = fixed_bytes(index) + pool_bytes(root) + scratch_bytes(root) + request_bytes(root);
-  const std::uint64_t opening = 2 * index.resident_bytes();  // the file and what it is decoded to
+  const std::uint64_t running =
+      fixed_bytes(index, source_bytes) + pool_bytes(root) + scratch_bytes(root) + request_bytes(root);
+  const std::uint64_t opening = 2 * index.resident_bytes() + source_bytes;  // the file and what it is decoded to
   return std::max(running, opening);
 }
 
-Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& options) {
+Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& options, std::uint64_t source_bytes) {
   const NodeRecord& root = index.nodes[0];
-  const std::uint64_t smallest = smallest_cap_bytes(index);
+  const std::uint64_t smallest = smallest_cap_bytes(index, source_bytes);
   if (options.cap_bytes < smallest)
     return Error{ErrorCode::kBudget, "a cap of " + std::to_string(options.cap_bytes) +
                                          " bytes does not hold the root; the smallest cap that works is " +
@@ -131,7 +133,7 @@ Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& o
 
   const PageSums pages = sum_pages(index, options.include_detail);
   MemoryPlan plan;
-  const std::uint64_t room = options.cap_bytes - fixed_bytes(index);
+  const std::uint64_t room = options.cap_bytes - fixed_bytes(index, source_bytes);
   LoadRoom load{scratch_bytes(root), request_bytes(root)};
   std::uint64_t spare = room - pool_bytes(root) - load.scratch - load.request;
   const std::uint64_t before = load.scratch + load.request;
@@ -154,7 +156,7 @@ Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& o
   const std::uint64_t fitting = fit_pool(room - scratch - requests, pool_bytes(root), pages);
   plan.pool_bytes = std::min({options.pool_limit_bytes, pages.pool_bytes, fitting}) / kAlign * kAlign;
   plan.pages = 1 + std::min(pages.count - 1, (plan.pool_bytes - pool_bytes(root)) / pages.planned_pool_bytes());
-  plan.index_bytes = index.resident_bytes();
+  plan.index_bytes = index.resident_bytes() + source_bytes;
   plan.state_bytes = kFixedStateBytes + index.nodes.size() * kPagerBytesPerNode + plan.pages * kPagerBytesPerPage;
   plan.top_level_bytes = plan.pages * kTopLevelBytesPerPage;
   plan.in_flight_bytes = room - plan.scratch_bytes - plan.pool_bytes - (plan.pages - 1) * kBytesPerPage;

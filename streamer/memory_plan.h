@@ -15,7 +15,7 @@ inline constexpr std::uint64_t kFixedStateBytes = 64 << 10U;
 inline constexpr std::uint64_t kTopLevelBytesPerPage = 128;
 
 struct MemoryPlan {
-  std::uint64_t index_bytes = 0;
+  std::uint64_t index_bytes = 0;  // and what the source holds
   std::uint64_t state_bytes = 0;
   std::uint64_t top_level_bytes = 0;
   std::uint64_t pool_bytes = 0;
@@ -27,7 +27,7 @@ struct MemoryPlan {
 // What a node may need at most to be loaded under this plan.
 [[nodiscard]] LoadLimits load_limits(const MemoryPlan& plan, bool include_detail);
 
-// Fails with kBudget, naming the smallest cap that works.
-Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& options);
+// Fails with kBudget, naming the smallest cap that works. source_bytes: held_bytes() of the world's source.
+Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& options, std::uint64_t source_bytes = 0);
 
 }  // namespace zc

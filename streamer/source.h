@@ -86,6 +86,9 @@ class Source {
   virtual std::unique_ptr<Reading> begin(std::vector<WantedFile> files);
 
   [[nodiscard]] virtual SourceStatistics statistics() const { return {}; }
+
+  // What it keeps in memory from its opening to its end, beside what is read.
+  [[nodiscard]] virtual std::uint64_t held_bytes() const { return 0; }
 };
 
 // Of sources behind a network.

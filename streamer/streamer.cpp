@@ -490,13 +490,13 @@ class Streamer::Impl {
 
 Result<std::unique_ptr<Streamer>> Streamer::open(Source& source, const StreamerOptions& options, PageSink& sink) {
   ZC_ASSIGN(WorldIndex index, read_world_index(source));
-  ZC_ASSIGN(const MemoryPlan plan, plan_memory(index, options));
+  ZC_ASSIGN(const MemoryPlan plan, plan_memory(index, options, source.held_bytes()));
   auto ledger = std::make_unique<Ledger>(options.cap_bytes);
   {
     // A source behind a network held both a moment ago: the plan has made sure that this is under the cap, and it shows
     // in the peak.
     const std::optional<Reservation> raw = ledger->try_reserve(LedgerClass::kInFlight, index.resident_bytes());
-    const std::optional<Reservation> decoded = ledger->try_reserve(LedgerClass::kIndex, index.resident_bytes());
+    const std::optional<Reservation> decoded = ledger->try_reserve(LedgerClass::kIndex, plan.index_bytes);
     ZC_CHECK(raw && decoded);
   }
   auto impl = std::make_unique<Impl>(source, sink, options, std::move(ledger), std::move(index), plan);

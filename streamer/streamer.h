@@ -50,7 +50,8 @@ struct StreamerOptions {
 };
 
 // The smallest cap under which a world opens: index, node state, the root's page and what loading it takes.
-[[nodiscard]] std::uint64_t smallest_cap_bytes(const WorldIndex& index);
+// source_bytes: held_bytes() of the source that it is read from.
+[[nodiscard]] std::uint64_t smallest_cap_bytes(const WorldIndex& index, std::uint64_t source_bytes = 0);
 
 class Streamer {
  public:

@@ -106,6 +106,8 @@ class WebArchive final : public WebWorld {
     return range({place.offset, place.bytes}, name);
   }
 
+  [[nodiscard]] std::uint64_t held_bytes() const override { return entries_.size() * sizeof(ArchiveEntry); }
+
  private:
   struct Place {
     std::uint64_t offset = 0;

@@ -47,7 +47,8 @@ class Faults(support.Case):
         out = cls.folder / "out"
         shutil.rmtree(out, ignore_errors=True)
         drawing = ("--size", "160x90") if render else ("--no-render",)
-        cls.zonecast("replay", world, "--path", path or cls.path, "--cap", "8MiB", "-o", out, *drawing, *options)
+        cls.zonecast("replay", world, "--path", path or cls.path, "--cap", cls.cap_for(world), "-o", out, *drawing,
+                     *options)
         stats = json.loads((out / "stats.json").read_text())
         for part in ("in_flight", "decoded"):
             if stats["ledger"][part]["current_bytes"] != 0:

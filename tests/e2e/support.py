@@ -70,6 +70,14 @@ class Case(unittest.TestCase):
             cls.zonecast("pack", world, "-o", archive)
 
     @classmethod
+    def cap_for(cls, place, cap=8 << 20):
+        """The cap under which cls.world pages from `place` as its folder does under `cap`: of an archive on a server the
+        index is in memory, 24 bytes a file."""
+        if "://" not in str(place) or not str(place).endswith(".3tz"):
+            return cap
+        return cap + 24 * sum(file.is_file() and file.name != "bake.cache" for file in cls.world.rglob("*"))
+
+    @classmethod
     @contextlib.contextmanager
     def serve(cls, world, *options):
         """`zonecast serve` on a free port, until the block ends; its address. It must end well."""

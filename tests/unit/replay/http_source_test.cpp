@@ -83,10 +83,10 @@ View view_at(double t) {
            test::kTinyOrigin_m + size * (0.5 + 0.45 * std::sin(12.56 * t)), 2.0}};
 }
 
-StreamerOptions options_for(ClockKind clock) {
+StreamerOptions options_for(const Source& source, ClockKind clock) {
   std::uint64_t pages = 0;
   for (const NodeRecord& node : world().index.nodes) pages += node.page_bytes;
-  return {.cap_bytes = smallest_cap_bytes(world().index) + pages / 2,
+  return {.cap_bytes = smallest_cap_bytes(world().index, source.held_bytes()) + pages / 2,
           .threads = 3,
           .clock = clock,
           .source_latency_s = clock == ClockKind::kVirtual ? 0.05 : 0,
@@ -98,7 +98,7 @@ StreamerOptions options_for(ClockKind clock) {
 // The event log, and every page of the cover where it should be.
 std::string drive(Source& source) {
   HeapPageSink sink;
-  auto streamer = Streamer::open(source, options_for(ClockKind::kVirtual), sink);
+  auto streamer = Streamer::open(source, options_for(source, ClockKind::kVirtual), sink);
   EXPECT_TRUE(streamer.ok());
   for (int frame = 0; frame < 120; ++frame) {
     const View view = view_at(frame / 120.0 + frame / 2 % 2 * 0.4);  // faster than pages come
@@ -131,7 +131,7 @@ TEST_F(HttpSource, a_streamer_may_stop_at_any_moment) {
   for (int round = 0; round < 20; ++round) {
     const auto source = open(server.url());
     HeapPageSink sink;
-    auto streamer = Streamer::open(*source, options_for(ClockKind::kWall), sink);
+    auto streamer = Streamer::open(*source, options_for(*source, ClockKind::kWall), sink);
     ASSERT_TRUE(streamer.ok());
     for (int frame = 0; frame < round % 4 + 1; ++frame) {
       const View view = view_at(static_cast<double>(random() % 100) / 100);
