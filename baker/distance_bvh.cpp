@@ -7,8 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numeric>
-#include <queue>
-#include <tuple>
+
+#include "baker/triangle_pieces.h"
 
 namespace zc {
 namespace {
@@ -51,80 +51,6 @@ glm::dvec3 closest_on_triangle(const glm::dvec3& p, const glm::dvec3& a, const g
   return a + ab * (vb * scale) + ac * (vc * scale);
 }
 
-// Part of a triangle, with a box of its own: long ones that lie across the axes would fill the tree with boxes that
-// hold little of them (Ernst & Greiner 2007, "Early split clipping").
-struct Piece {
-  std::array<glm::dvec3, 3> corner;
-  LatticeBox box;
-  std::uint32_t triangle = 0;
-  double waste = 0;  // half of the box's surface beyond what a triangle along the axes would need
-
-  Piece(const std::array<glm::dvec3, 3>& corners, std::uint32_t of) : corner(corners), triangle(of) {
-    const auto add = [&](const glm::dvec3& p) {
-      box.add(
-          LatticePoint{static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y), static_cast<std::int32_t>(p.z)});
-    };
-    for (const glm::dvec3& p : corner) {
-      add(glm::floor(p));
-      add(glm::ceil(p));
-    }
-    const glm::dvec3 n = glm::abs(glm::cross(corner[1] - corner[0], corner[2] - corner[0]));
-    waste = half_surface(box) - (n.x + n.y + n.z);
-  }
-
-  static double half_surface(const LatticeBox& b) {
-    const glm::dvec3 size = to_dvec(b.max) - to_dvec(b.min);
-    return size.x * size.y + size.y * size.z + size.z * size.x;
-  }
-
-  bool operator<(const Piece& o) const {  // a queue's top wastes the most
-    if (waste != o.waste) return waste < o.waste;
-    if (triangle != o.triangle) return triangle < o.triangle;
-    return std::tie(box.min, box.max) < std::tie(o.box.min, o.box.max);
-  }
-};
-
-// Halves at the longest side of those that waste the most.
-std::vector<Piece> pieces_of(const LatticeMesh& mesh, const LatticeBox& bounds) {
-  std::vector<Piece> pieces;
-  const std::size_t count = mesh.faces.size();
-  const double bearable = kWaste * Piece::half_surface(bounds) / static_cast<double>(count);
-  std::priority_queue<Piece> wasteful;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const auto& v = mesh.faces[i].v;
-    const Piece piece({to_dvec(mesh.vertices[v[0]]), to_dvec(mesh.vertices[v[1]]), to_dvec(mesh.vertices[v[2]])}, i);
-    if (piece.waste > bearable) {
-      wasteful.push(piece);
-    } else {
-      pieces.push_back(piece);
-    }
-  }
-  while (!wasteful.empty()) {
-    const Piece piece = wasteful.top();
-    wasteful.pop();
-    if (piece.waste <= bearable || pieces.size() + wasteful.size() >= kPiecesPerTriangle * count) {
-      pieces.push_back(piece);
-      continue;
-    }
-    std::size_t longest = 0;
-    double length = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double side = glm::distance(piece.corner[k], piece.corner[(k + 1) % 3]);
-      if (side > length) {
-        longest = k;
-        length = side;
-      }
-    }
-    const glm::dvec3 middle = (piece.corner[longest] + piece.corner[(longest + 1) % 3]) * 0.5;
-    for (const std::size_t moved : {longest, (longest + 1) % 3}) {
-      auto half = piece.corner;
-      half[moved] = middle;
-      wasteful.emplace(half, piece.triangle);
-    }
-  }
-  return pieces;
-}
-
 }  // namespace
 
 double DistanceTriangle::distance(const glm::dvec3& p) const {
@@ -133,7 +59,10 @@ double DistanceTriangle::distance(const glm::dvec3& p) const {
 
 DistanceBvh::DistanceBvh(const LatticeMesh& mesh, std::span<const std::uint16_t> looks) : bounds_(bounds_of(mesh)) {
   if (mesh.faces.empty()) return;
-  const std::vector<Piece> pieces = pieces_of(mesh, bounds_);
+  const double bearable = kWaste * half_surface(bounds_) / static_cast<double>(mesh.faces.size());
+  const std::vector<TrianglePiece> pieces = pieces_of(
+      mesh.faces.size(), [&](std::size_t i) { return corners_of(mesh, mesh.faces[i]); }, bearable,
+      kPiecesPerTriangle * mesh.faces.size());
   const auto count = static_cast<std::uint32_t>(pieces.size());
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0U);

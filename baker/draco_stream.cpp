@@ -29,6 +29,8 @@ constexpr std::array<Way, 4> kWays = {{{draco::MESH_EDGEBREAKER_ENCODING, 3, tru
                                        {draco::MESH_EDGEBREAKER_ENCODING, 3, false},
                                        {draco::MESH_EDGEBREAKER_ENCODING, 5, true},
                                        {draco::MESH_EDGEBREAKER_ENCODING, 5, false}}};
+// At a vertex of n triangles edgebreaker goes through n^2 pairs of edges. In all, at most:
+constexpr std::uint64_t kPairsMost = 1U << 28U;
 constexpr Way kLastResort = {draco::MESH_SEQUENTIAL_ENCODING, 3, true};
 
 using Corner = std::array<std::uint16_t, 3>;
@@ -56,6 +58,15 @@ std::vector<Face> canonical_faces(const QuantizedTriangles& mesh) {
                             static_cast<std::uint32_t>(out.size())));
   std::ranges::sort(out);
   return out;
+}
+
+std::uint64_t pairs_of_edges(const QuantizedTriangles& mesh) {
+  std::vector<std::uint64_t> triangles_at(mesh.vertices.size());
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t v : triangle) ++triangles_at[v];
+  std::uint64_t pairs = 0;
+  for (const std::uint64_t n : triangles_at) pairs += n * n;
+  return pairs;
 }
 
 // A point per corner, which become one where position and colour are the same.
@@ -185,8 +196,9 @@ Result<DracoStream> encode_draco(const QuantizedTriangles& mesh) {
     to_draco(mesh, source);
     const std::vector<Face> expected = canonical_faces(mesh);
     std::vector<std::vector<std::byte>> streams;
-    for (const Way& way : kWays)
-      if (way.predict_colors || !mesh.colors.empty()) streams.push_back(try_encode(source, way));
+    if (pairs_of_edges(mesh) <= kPairsMost)
+      for (const Way& way : kWays)
+        if (way.predict_colors || !mesh.colors.empty()) streams.push_back(try_encode(source, way));
     std::ranges::stable_sort(streams, {}, &std::vector<std::byte>::size);
     if (mesh.colors.empty()) streams.push_back(try_encode(source, kLastResort));
     for (const std::vector<std::byte>& bytes : streams)

@@ -47,8 +47,8 @@ class Stitcher {
 
  private:
   // Open vertices within a step; vertices are sorted.
-  void find_near(std::uint32_t vertex) {
-    near_.clear();
+  void find_near(std::uint32_t vertex, std::vector<std::uint32_t>& near) const {
+    near.clear();
     const LatticePoint& p = mesh_.vertices[vertex];
     for (std::int32_t dx = -1; dx <= 1; ++dx) {
       for (std::int32_t dy = -1; dy <= 1; ++dy) {
@@ -56,7 +56,7 @@ class Stitcher {
                                    LatticePoint{p[0] + dx, p[1] + dy, p[2] - 1});
         for (; at != mesh_.vertices.end() && touches(*at, p) && (*at)[0] == p[0] + dx && (*at)[1] == p[1] + dy; ++at) {
           const auto v = static_cast<std::uint32_t>(at - mesh_.vertices.begin());
-          if (!at_vertex_.at(v).empty()) near_.push_back(v);
+          if (!at_vertex_.at(v).empty()) near.push_back(v);
         }
       }
     }
@@ -92,27 +92,51 @@ class Stitcher {
     counts_.moved = std::max(counts_.moved, std::sqrt(static_cast<double>(dot(d, d))));
   }
 
+  // An edge that may lie on this one, and its ends beside this one's.
+  struct Candidate {
+    std::uint32_t low, edge, high;
+    auto operator<=>(const Candidate&) const = default;
+  };
+
+  // By way of the end where fewer edges meet: at the hub of a fan all of them do.
+  void find_candidates(const FaceEdge& edge) {
+    find_near(edge.low, near_low_);
+    find_near(edge.high, near_high_);
+    const auto edges_at = [&](const std::vector<std::uint32_t>& near) {
+      std::size_t count = 0;
+      for (const std::uint32_t v : near) count += at_vertex_.at(v).size();
+      return count;
+    };
+    const bool by_high = edges_at(near_high_) < edges_at(near_low_);
+    const LatticePoint& far = mesh_.vertices[by_high ? edge.low : edge.high];
+    candidates_.clear();
+    for (const std::uint32_t here : by_high ? near_high_ : near_low_) {
+      for (const std::uint32_t e : at_vertex_.at(here)) {
+        const std::uint32_t there = open_[e].low == here ? open_[e].high : open_[e].low;
+        if (!touches(mesh_.vertices[there], far)) continue;
+        candidates_.push_back(by_high ? Candidate{there, e, here} : Candidate{here, e, there});
+      }
+    }
+    std::ranges::sort(candidates_);
+  }
+
   std::optional<std::uint32_t> find_partner(std::uint32_t e) {
     const FaceEdge& edge = open_[e];
-    find_near(edge.low);
-    for (const std::uint32_t low : near_) {
-      for (const std::uint32_t other : at_vertex_.at(low)) {
-        const FaceEdge& candidate = open_[other];
-        if (other == e || matched_[other] || candidate.face == edge.face) continue;
-        const std::uint32_t high = candidate.low == low ? candidate.high : candidate.low;
-        if (!touches(mesh_.vertices[high], mesh_.vertices[edge.high])) continue;
-        // A corner of one face must not end on another of its own.
-        if (high == edge.low || low == edge.high || has_corner(edge.face, low, edge.low) ||
-            has_corner(edge.face, high, edge.high) || has_corner(candidate.face, edge.low, low) ||
-            has_corner(candidate.face, edge.high, high))
-          continue;
-        const auto first = meet(edge.low, low);
-        const auto second = meet(edge.high, high);
-        if (!first || !second || clash(*first, *second)) continue;
-        apply(*first);
-        apply(*second);
-        return other;
-      }
+    find_candidates(edge);
+    for (const auto& [low, other, high] : candidates_) {
+      const FaceEdge& candidate = open_[other];
+      if (other == e || matched_[other] || candidate.face == edge.face) continue;
+      // A corner of one face must not end on another of its own.
+      if (high == edge.low || low == edge.high || has_corner(edge.face, low, edge.low) ||
+          has_corner(edge.face, high, edge.high) || has_corner(candidate.face, edge.low, low) ||
+          has_corner(candidate.face, edge.high, high))
+        continue;
+      const auto first = meet(edge.low, low);
+      const auto second = meet(edge.high, high);
+      if (!first || !second || clash(*first, *second)) continue;
+      apply(*first);
+      apply(*second);
+      return other;
     }
     return std::nullopt;
   }
@@ -127,7 +151,8 @@ class Stitcher {
   std::vector<std::uint32_t> target_;
   std::vector<bool> is_target_;
   std::vector<bool> matched_;  // per open edge
-  std::vector<std::uint32_t> near_;
+  std::vector<std::uint32_t> near_low_, near_high_;
+  std::vector<Candidate> candidates_;
   StitchCounts counts_;
 };
 

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "baker/light/light_threads.h"
+#include "baker/triangle_pieces.h"
 
 namespace zc {
 namespace {
@@ -24,6 +25,10 @@ constexpr float kSunDistanceM = 1e6F;
 // Points of a triangle that the sun is looked for from.
 constexpr std::array<glm::vec3, 4> kSunPoints = {
     {{1.0F / 3, 1.0F / 3, 1.0F / 3}, {0.7F, 0.15F, 0.15F}, {0.15F, 0.7F, 0.15F}, {0.15F, 0.15F, 0.7F}}};
+
+constexpr double kPieceStepM = 1.0 / 256;
+constexpr double kWasteMost = 30;  // times the surface of the scene's box; cities come to less than a tenth of it
+constexpr std::size_t kMorePieces = 1U << 19U;
 
 RTCRay make_ray(const glm::vec3& origin, const glm::vec3& direction, float far_m) {
   RTCRay ray{};
@@ -148,14 +153,17 @@ Result<LightScene> LightScene::build(const LightDevice& device, const LightDetai
   }
   out.handles_ = std::make_unique<Handles>(device.handle());
   rtcSetSceneFlags(out.handles_->scene, RTC_SCENE_FLAG_ROBUST);
+  out.cut_wasteful();
+  const bool is_cut = !out.piece_corners_.empty();
+  const std::vector<glm::vec3>& corners = is_cut ? out.piece_corners_ : detail.corners;
   const RTCGeometry geometry = rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, detail.corners.data(), 0,
-                             sizeof(glm::vec3), detail.corners.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, corners.data(), 0,
+                             sizeof(glm::vec3), corners.size());
   auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), out.triangles_.size()));
   if (indices != nullptr)
-    for (const std::uint32_t t : out.triangles_)
-      for (std::uint32_t k = 0; k < 3; ++k) *indices++ = 3 * t + k;
+    for (std::uint32_t i = 0; i < out.triangles_.size(); ++i)
+      for (std::uint32_t k = 0; k < 3; ++k) *indices++ = 3 * (is_cut ? i : out.triangles_[i]) + k;
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(out.handles_->scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -179,6 +187,33 @@ Result<LightScene> LightScene::build(std::span<const ZoneMesh> meshes, std::span
   out.own_device_ = std::make_unique<LightDevice>(std::move(device));
   out.own_detail_ = std::move(detail);
   return out;
+}
+
+void LightScene::cut_wasteful() {
+  const auto corners_of = [&](std::size_t i) {
+    Corners corners;
+    for (std::size_t k = 0; k < 3; ++k)
+      corners[k] = glm::dvec3(detail_->corners[3 * std::size_t{triangles_[i]} + k]) / kPieceStepM;
+    return corners;
+  };
+  const std::size_t count = triangles_.size();
+  LatticeBox bounds;
+  double waste = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const TrianglePiece whole(corners_of(i), i);
+    bounds.add(whole.box);
+    waste += whole.waste;
+  }
+  if (waste <= kWasteMost * half_surface(bounds)) return;
+  const std::vector<TrianglePiece> pieces =
+      pieces_of(count, corners_of, half_surface(bounds) / static_cast<double>(count), count + kMorePieces);
+  std::vector<std::uint32_t> whole = std::move(triangles_);
+  triangles_.clear();
+  piece_corners_.reserve(3 * pieces.size() + 1);  // Embree loads 16 bytes at the last corner
+  for (const TrianglePiece& piece : pieces) {
+    triangles_.push_back(whole[piece.triangle]);
+    for (const glm::dvec3& p : piece.corner) piece_corners_.emplace_back(p * kPieceStepM);
+  }
 }
 
 LightDetail::Sunlight LightScene::measure_sunlight(std::uint32_t triangle) const {

@@ -102,16 +102,21 @@ class LightScene {
   // Mean share of the k-th sun's light that falls on the side that was hit, 0..1.
   [[nodiscard]] float sunlight(const Hit& hit, std::size_t k) const;
   [[nodiscard]] float bias_m() const { return detail_->bias_m; }
+  // Triangles that rays are held against, pieces counted one by one.
+  [[nodiscard]] std::size_t primitives() const { return triangles_.size(); }
 
  private:
   struct Handles;
   explicit LightScene(const LightDetail& detail);
+  // Where triangles lie askew over each other a ray meets most of their boxes: they are cut until it meets few.
+  void cut_wasteful();
   [[nodiscard]] Hit hit(unsigned primitive, float distance_m, const glm::vec3& direction) const;
 
   std::unique_ptr<LightDevice> own_device_;  // of a whole world, as the next
   std::unique_ptr<LightDetail> own_detail_;
   const LightDetail* detail_;
   std::vector<std::uint32_t> triangles_;  // per triangle of Embree's: the detail's
+  std::vector<glm::vec3> piece_corners_;  // three a triangle of Embree's where they are pieces; else empty
   std::unique_ptr<Handles> handles_;
 };
 

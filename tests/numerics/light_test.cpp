@@ -236,5 +236,36 @@ TEST(Light, AProxyWithinTheBodyHasTheLightOfTheSurface) {
   }
 }
 
+// A fan of slivers half a kilometre long, whose boxes all lie over each other: rays see it cut into pieces.
+TEST(LightScene, LongTrianglesAskewAreHitAsTheyAre) {
+  constexpr int kBlades = 2000;
+  const auto rim = [](int i) {
+    const double turn = 2 * 3.14159265358979 * i / kBlades;
+    return LatticePoint{static_cast<std::int32_t>(128000 * (1 + std::cos(turn))),
+                        static_cast<std::int32_t>(128000 * (1 + std::sin(turn))), 256 * (i * 7 % 5)};
+  };
+  LatticeMesh fan;
+  fan.vertices.push_back({128000, 128000, 0});
+  for (int i = 0; i < 2 * kBlades; ++i) fan.vertices.push_back(rim(i / 2 + i % 2));
+  for (std::uint32_t i = 0; i < kBlades; ++i) fan.faces.push_back({{0, 2 * i + 1, 2 * i + 2}});
+  const LightDetail detail(fan, kStepM);
+  auto device = LightDevice::create();
+  ASSERT_TRUE(device.ok());
+  const std::uint32_t all = 0;
+  const auto scene = LightScene::build(*device, detail, std::span(&all, 1));
+  ASSERT_TRUE(scene.ok());
+  EXPECT_GT(scene->primitives(), 4U * kBlades);
+  for (std::uint32_t i = 0; i < kBlades; i += 3) {
+    const std::span<const glm::vec3> corner(&detail.corners[3 * std::size_t{i}], 3);
+    for (const float near : {0.02F, 0.3F, 0.9F}) {  // of the way from the hub
+      const glm::vec3 p = corner[0] + near * ((corner[1] + corner[2]) * 0.5F - corner[0]);
+      const auto hit = scene->closest(p + glm::vec3(0, 0, 50), {0, 0, -1}, 1000);
+      ASSERT_TRUE(hit);
+      EXPECT_NEAR(hit->distance_m, 50, 2e-3) << i;
+      EXPECT_EQ(hit->triangle, i);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace zc
