@@ -4,14 +4,9 @@
 #include <memory>
 
 namespace zc {
-namespace {
 
-constexpr std::uint64_t kLimitBytes = 1ULL << 32U;
-
-}  // namespace
-
-Result<WorldIndex> read_world_index(Source& source, const std::filesystem::path& place) {
-  ZC_ASSIGN(const std::unique_ptr<SourceFile> file, source.open(kWorldIndexName, kLimitBytes));
+Result<WorldIndex> read_world_index(Source& source, const std::filesystem::path& place, std::uint64_t limit_bytes) {
+  ZC_ASSIGN(const std::unique_ptr<SourceFile> file, source.open(kWorldIndexName, limit_bytes));
   const ReadAt read = [&](std::uint64_t offset, std::span<std::byte> out) { return file->read(offset, out); };
   return decode_world_index(file->size_bytes(), read, (place / kWorldIndexName).string());
 }

@@ -9,7 +9,8 @@
 
 namespace zc {
 
-// `place`: of the world, for errors.
-Result<WorldIndex> read_world_index(Source& source, const std::filesystem::path& place = {});
+// `place`: of the world, for errors. Fails when the index is larger than limit_bytes.
+Result<WorldIndex> read_world_index(Source& source, const std::filesystem::path& place = {},
+                                    std::uint64_t limit_bytes = 1ULL << 32U);
 
 }  // namespace zc

@@ -27,6 +27,8 @@
 namespace zc {
 namespace {
 
+constexpr std::uint64_t kSmallIndexBytes = 16U << 20U;
+
 // The least loss is at the front of a std::*_heap.
 bool worse_eviction(const Eviction& a, const Eviction& b) {
   return a.loss != b.loss ? a.loss > b.loss : a.node < b.node;
@@ -489,7 +491,8 @@ class Streamer::Impl {
 };
 
 Result<std::unique_ptr<Streamer>> Streamer::open(Source& source, const StreamerOptions& options, PageSink& sink) {
-  ZC_ASSIGN(WorldIndex index, read_world_index(source));
+  // What the cap cannot hold is not read, however long a server goes on; a small index is, to name the cap that works.
+  ZC_ASSIGN(WorldIndex index, read_world_index(source, {}, std::max(options.cap_bytes, kSmallIndexBytes)));
   ZC_ASSIGN(const MemoryPlan plan, plan_memory(index, options, source.held_bytes()));
   auto ledger = std::make_unique<Ledger>(options.cap_bytes);
   {

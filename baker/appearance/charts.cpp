@@ -65,7 +65,9 @@ class ChartCutter {
     const Corner& q = mesh_.vertices[v];
     return {q[0], q[1], q[2]};
   }
-  [[nodiscard]] Corner corner(std::uint32_t t, std::size_t k) const { return mesh_.vertices[mesh_.triangles[t][k]]; }
+  [[nodiscard]] const Corner& corner(std::uint32_t t, std::size_t k) const {
+    return mesh_.vertices[mesh_.triangles[t][k]];
+  }
 
   Chart grow(std::uint32_t seed) {
     Chart chart;

@@ -231,6 +231,9 @@ class Faults(support.Case):
         summary, _, _ = self.replay(self.server.url("world"))
         self.assertGreater(summary["requests"]["failed"], 20)
         self.assertLess(summary["peak_rss_bytes"] - summary["baseline_rss_bytes"], (8 << 20) * 1.05 + (4 << 20))
+        self.server.fault = lambda path: "long" if path.endswith("world.zcw") else None
+        self.assert_refused(["replay", self.server.url("world"), "--path", self.path, "--cap", "24MiB", "--no-render"],
+                            FAILURE, self.server.url("world/world.zcw"), f"sends more than {24 << 20} bytes")
 
 
 if __name__ == "__main__":
