@@ -9,6 +9,7 @@
 #include "replay/units.h"
 #include "replay/world_option.h"
 #include "streamer/index_file.h"
+#include "streamer/page_loader.h"
 
 namespace zc {
 namespace {
@@ -36,10 +37,10 @@ Status run(const Arguments& arguments) {
   Progress progress;
   for (std::size_t i = 0; i < index.nodes.size(); ++i) {
     const NodeRecord& node = index.nodes[i];
-    for (const auto& [extension, size] : {std::pair("glb", node.glb_bytes), std::pair("zbvh", node.bvh_bytes)}) {
-      const std::string name = node_file(node, extension);
-      ZC_ASSIGN(const std::vector<std::byte> bytes, source->read(name, size));
-      ZC_TRY(writer.add(name, bytes));
+    for (const WantedFile& file : page_files(node)) {
+      ZC_ASSIGN(const std::vector<std::byte> bytes, source->read(file.name, file.bytes));
+      ZC_TRY(check_wanted(bytes, file));
+      ZC_TRY(writer.add(file.name, bytes));
     }
     progress.update(static_cast<double>(i + 1) / static_cast<double>(index.nodes.size()), "pack");
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <iostream>
@@ -65,6 +66,7 @@ Result<ReplayOptions> to_options(const Arguments& a) {
   ZC_ASSIGN(options.source, parse_source_options(a.world));
   options.out = a.out;
   ZC_ASSIGN(options.streamer.cap_bytes, parse_bytes(a.cap));
+  options.source.held_bytes_most = std::max(options.streamer.cap_bytes, kSmallIndexBytes);
   ZC_ASSIGN(options.host_budget_bytes, parse_bytes(a.host_budget));
   ZC_ASSIGN(options.streamer.source_latency_s, parse_seconds(a.latency));
   if (!a.bandwidth.empty()) {

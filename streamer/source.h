@@ -93,9 +93,10 @@ class Source {
 
 // Of sources behind a network.
 struct SourceOptions {
-  std::filesystem::path cache;              // folder for what was read, made when it is not there; empty: none
-  std::uint64_t cache_bytes = 1ULL << 30U;  // most that the cache may hold
-  double timeout_s = 10;                    // to connect, and of silence
+  std::filesystem::path cache;                  // folder for what was read, made when it is not there; empty: none
+  std::uint64_t cache_bytes = 1ULL << 30U;      // most that the cache may hold
+  double timeout_s = 10;                        // to connect, and of silence
+  std::uint64_t held_bytes_most = 1ULL << 30U;  // most that a source may keep in memory
 };
 
 // Whether `place` is an address of the web (http://, https://) and not a path.

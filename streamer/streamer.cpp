@@ -27,8 +27,6 @@
 namespace zc {
 namespace {
 
-constexpr std::uint64_t kSmallIndexBytes = 16U << 20U;
-
 // The least loss is at the front of a std::*_heap.
 bool worse_eviction(const Eviction& a, const Eviction& b) {
   return a.loss != b.loss ? a.loss > b.loss : a.node < b.node;
@@ -75,7 +73,8 @@ class Streamer::Impl {
     marks_[0] = kMarkSelected;
     marked_.assign(1, 0);
     pool_.update_cover();
-    workers_ = std::make_unique<LoadWorkers>(source_, index_, options_.threads, plan_.scratch_bytes);
+    workers_ = std::make_unique<LoadWorkers>(source_, index_, std::min(options_.threads, options_.max_in_flight),
+                                             plan_.scratch_bytes);
     return {};
   }
 

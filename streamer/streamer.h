@@ -49,6 +49,9 @@ struct StreamerOptions {
   std::function<void(const Error&)> on_failure = {};  // once per node, on the calling thread
 };
 
+// An index of this size is read whatever the cap, to name the cap that works.
+inline constexpr std::uint64_t kSmallIndexBytes = 16U << 20U;
+
 // The smallest cap under which a world opens: index, node state, the root's page and what loading it takes.
 // source_bytes: held_bytes() of the source that it is read from.
 [[nodiscard]] std::uint64_t smallest_cap_bytes(const WorldIndex& index, std::uint64_t source_bytes = 0);

@@ -2,6 +2,8 @@
 #include "replay/serve/client_connection.h"
 
 #include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -30,6 +32,23 @@ bool same_name(std::string_view line, std::string_view lower_name) {
          });
 }
 
+// Lines end in CR LF and nothing else, and names end in their colon: what the library and we might read differently is
+// no request (RFC 9112, sections 2.2 and 5.1). `head`: the request line and the headers.
+bool has_sound_lines(std::string_view head) {
+  for (bool is_first = true; !head.empty(); is_first = false) {
+    const std::size_t end = head.find("\r\n");
+    const std::string_view line = head.substr(0, end);
+    if (line.find_first_of("\r\n") != std::string_view::npos) return false;
+    if (!is_first) {
+      const std::size_t colon = line.find(':');
+      if (colon == std::string_view::npos || colon == 0 || line.substr(0, colon).find_first_of(" \t") != line.npos)
+        return false;
+    }
+    head.remove_prefix(end == std::string_view::npos ? head.size() : end + 2);
+  }
+  return true;
+}
+
 void name_of(const sockaddr_storage& address, socklen_t bytes, std::string& ip, int& port) {
   std::array<char, NI_MAXHOST> host{};
   std::array<char, NI_MAXSERV> service{};
@@ -43,7 +62,11 @@ void name_of(const sockaddr_storage& address, socklen_t bytes, std::string& ip, 
 }  // namespace
 
 ClientConnection::ClientConnection(int socket, const ConnectionTimes& times, const std::atomic<bool>& stop)
-    : socket_(socket), times_(times), stop_(stop) {}
+    : socket_(socket), times_(times), stop_(stop) {
+  // Head and body are two writes: the second would wait until the client has acknowledged the first.
+  const int yes = 1;
+  ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+}
 
 ClientConnection::~ClientConnection() {
   ::shutdown(socket_, SHUT_WR);
@@ -72,6 +95,7 @@ ClientConnection::Next ClientConnection::next() {
     if (const std::size_t end = received_.find("\r\n\r\n"); end != std::string::npos) {
       head_bytes_ = end + 4;
       if (head_bytes_ > kHeaderLimitBytes) return Next::kTooLarge;
+      if (!has_sound_lines(std::string_view(received_).substr(0, end))) return Next::kMalformed;
       prepare();
       return Next::kRequest;
     }

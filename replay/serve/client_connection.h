@@ -31,7 +31,7 @@ class ClientConnection final : public httplib::Stream {
   ClientConnection& operator=(const ClientConnection&) = delete;
   ~ClientConnection() override;
 
-  enum class Next { kRequest, kEnd, kTooLarge, kTooSlow };
+  enum class Next { kRequest, kEnd, kTooLarge, kTooSlow, kMalformed };
   // Waits for the next request's headers.
   Next next();
   // Whether the request has a body, which nobody will read: what follows is no request.

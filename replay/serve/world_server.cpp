@@ -247,9 +247,12 @@ class WorldServer::Impl final : public httplib::Server {
     const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - began).count(); };
     metrics_.begin_request();
     if (next != ClientConnection::Next::kRequest) {
-      const bool large = next == ClientConnection::Next::kTooLarge;
-      connection.refuse(large ? "431 Request Header Fields Too Large" : "408 Request Timeout");
-      metrics_.end_request(large ? 431 : 408, 0, seconds());
+      const auto [status, line] = next == ClientConnection::Next::kTooLarge
+                                      ? std::pair(431, "431 Request Header Fields Too Large")
+                                  : next == ClientConnection::Next::kTooSlow ? std::pair(408, "408 Request Timeout")
+                                                                             : std::pair(400, "400 Bad Request");
+      connection.refuse(line);
+      metrics_.end_request(status, 0, seconds());
       return false;
     }
     last_status_ = 0;  // nothing was sent

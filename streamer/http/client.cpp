@@ -438,7 +438,7 @@ class HttpClient::Impl {
         finish(*state, state->conclude(message->data.result));
       }
       end_the_dead();
-      curl_multi_poll(multi_, nullptr, 0, poll_ms(), nullptr);
+      if (!may_begin()) curl_multi_poll(multi_, nullptr, 0, poll_ms(), nullptr);
     }
   }
 
@@ -469,6 +469,12 @@ class HttpClient::Impl {
         finish(*state, state->error("out of memory"));
     }
     return true;
+  }
+
+  // Whether something waits that what has ended makes room for.
+  [[nodiscard]] bool may_begin() const {
+    const std::lock_guard lock(mutex_);
+    return !queue_.empty() && active_.size() < kMostAtOnce;
   }
 
   void end_the_dead() {

@@ -77,8 +77,8 @@ class WebArchive final : public WebWorld {
  public:
   using WebWorld::WebWorld;
 
-  // Once, before everything else.
-  Status find_index() {
+  // Once, before everything else. Fails when the index is larger than most_bytes.
+  Status find_index(std::uint64_t most_bytes) {
     const HttpRequest request{
         .url = url(), .name = shown_url(), .last_bytes = kArchiveTailBytes, .limit_bytes = kArchiveTailBytes};
     ZC_ASSIGN(const HttpAnswer tail, with_retries([&] { return client().fetch(request); }));
@@ -90,6 +90,9 @@ class WebArchive final : public WebWorld {
     ZC_ASSIGN(const Place place, place_at(*header_at, kArchiveIndexName));
     if (place.bytes % kArchiveEntryBytes != 0)
       return Error{ErrorCode::kFormat, "its index is no list of entries: not a 3D Tiles archive", shown_url()};
+    if (place.bytes > most_bytes)
+      return fault(kArchiveIndexName, "is " + std::to_string(place.bytes) + " bytes, more than the " +
+                                          std::to_string(most_bytes) + " that it may take of the memory");
     if (place.bytes == 0) return {};
     ZC_ASSIGN(const std::vector<std::byte> list, range({place.offset, place.bytes}, kArchiveIndexName));
     entries_.resize(list.size() / kArchiveEntryBytes);
@@ -229,7 +232,7 @@ Result<std::unique_ptr<Source>> open_http_source(const std::string& url, const S
   if (!names_archive(url))
     return std::unique_ptr<Source>(std::make_unique<WebFolder>(std::move(client), std::move(cache), url, index_url));
   auto archive = std::make_unique<WebArchive>(std::move(client), std::move(cache), url, url);
-  ZC_TRY(archive->find_index());
+  ZC_TRY(archive->find_index(options.held_bytes_most));
   return std::unique_ptr<Source>(std::move(archive));
 }
 

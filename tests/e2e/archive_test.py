@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A world in one file pages, renders and shows as its folder does; other readers of ZIP open it."""
 
+import shutil
 import zipfile
 
 import support
@@ -44,6 +45,15 @@ class Archives(support.Case):
         self.assertEqual(stats[0]["event_log_xxh3"], stats[1]["event_log_xxh3"])
         self.assertEqual(stats[0]["bytes_read"], stats[1]["bytes_read"])
         self.assertEqual(stats[1]["frames_over_cap"], 0)
+
+    def test_damage_is_not_packed(self):
+        damaged = self.folder / "damaged"
+        shutil.copytree(self.world, damaged)
+        page = sorted(damaged.rglob("*.glb"))[1]
+        data = bytearray(page.read_bytes())
+        data[len(data) // 2] ^= 1
+        page.write_bytes(data)
+        self.assert_refused(["pack", damaged, "-o", self.folder / "damaged.3tz"], FAILURE, page.name)
 
     def test_what_cannot_be_packed_or_opened_is_one_line(self):
         damaged = self.folder / "damaged.3tz"

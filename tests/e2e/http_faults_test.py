@@ -42,13 +42,13 @@ class Faults(support.Case):
         self.addCleanup(self.server.stop)
 
     @classmethod
-    def replay(cls, world, *options, path=None, render=False):
+    def replay(cls, world, *options, path=None, render=False, timeout_s=240):
         """Summary, the source's figures and the last frame's."""
         out = cls.folder / "out"
         shutil.rmtree(out, ignore_errors=True)
         drawing = ("--size", "160x90") if render else ("--no-render",)
         cls.zonecast("replay", world, "--path", path or cls.path, "--cap", cls.cap_for(world), "-o", out, *drawing,
-                     *options)
+                     *options, timeout_s=timeout_s)
         stats = json.loads((out / "stats.json").read_text())
         for part in ("in_flight", "decoded"):
             if stats["ledger"][part]["current_bytes"] != 0:
@@ -225,6 +225,18 @@ class Faults(support.Case):
                 self.server.fault = lambda path, fault=fault: fault
                 self.assert_refused(["inspect", self.server.url("world"), "--timeout", "300ms"], FAILURE,
                                     self.server.url("world/world.zcw"))
+
+    def test_pages_that_are_all_damaged_hold_nothing_up(self):
+        # Each is asked after once more, all at once: what waits begins as soon as another ends.
+        for name in ("world", "world.3tz"):
+            for fault in ("flipped", 404) if name == "world" else ("flipped",):
+                with self.subTest(world=name, fault=fault):
+                    self.server.requests.clear()
+                    self.server.fault = lambda path, fault=fault: (
+                        fault if ("/zones/" in path and "/zones/0/" not in path) or
+                        (path.endswith(".3tz") and len(self.server.requests) > 12) else None)
+                    summary, _, _ = self.replay(self.server.url(name), "--threads", 4, timeout_s=50)
+                    self.assertGreater(summary["requests"]["failed"], 20)
 
     def test_a_body_without_end_takes_no_memory(self):
         self.server.fault = lambda path: "long" if "/zones/" in path and "/zones/0/" not in path else None

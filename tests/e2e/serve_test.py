@@ -218,6 +218,13 @@ class Served(support.Case):
                     break
             self.assertGreaterEqual(metric(address, "zonecast_http_refused_connections_total"), 1)
 
+    def test_lines_that_can_be_read_in_two_ways_are_no_request(self):
+        for head in (b"A: b\nRange: bytes=0-9", b"A: b\rRange: bytes=0-9", b"Content-Length : 4", b" A: b", b": b", b"A"):
+            with self.subTest(head):
+                answer = raw(self.address, b"GET /world.zcw HTTP/1.1\r\nHost: x\r\n" + head + b"\r\n\r\n")
+                self.assertTrue(answer.startswith(b"HTTP/1.1 400 "), answer[:80])
+                self.assertEqual(answer.count(b"HTTP/1.1"), 1)
+
     def test_figures(self):
         with self.serve(self.world) as address:
             etag = ask(address, "/world.zcw")[1]["etag"]
