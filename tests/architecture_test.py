@@ -54,7 +54,8 @@ LIBRARIES = {
     "gtest/": ("tests",),
     "spirv_cross/": ("tests",),
 }
-POSIX = {"fcntl.h", "malloc.h", "netdb.h", "poll.h", "pthread.h", "signal.h", "stdio.h", "stdlib.h", "unistd.h"}
+POSIX = {"fcntl.h", "malloc.h", "netdb.h", "netinet/in.h", "netinet/tcp.h", "poll.h", "pthread.h", "signal.h",
+         "stdio.h", "stdlib.h", "unistd.h"}
 
 # Target -> what it may link. Anything else is a new arrow, to be drawn here on purpose.
 LINKS = {
