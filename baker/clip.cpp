@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <tuple>
 
 namespace zc {
@@ -35,14 +36,10 @@ struct Corner {
 
 Corner corner_of(const LooseFace& face, std::size_t i) { return {face.p[i], face.moved[i]}; }
 
-glm::dvec3 between(const LatticePoint& a, const LatticePoint& b) {
-  return glm::dvec3(b[0], b[1], b[2]) - glm::dvec3(a[0], a[1], a[2]);
-}
-
 // From p to the edge, and from there to the edge as it was before its ends moved; at most.
 float distance_to_edge(const LatticePoint& p, const Corner& a, const Corner& b) {
-  const glm::dvec3 edge = between(a.p, b.p);
-  const glm::dvec3 to_p = between(a.p, p);
+  const glm::dvec3 edge = to_dvec(b.p) - to_dvec(a.p);
+  const glm::dvec3 to_p = to_dvec(p) - to_dvec(a.p);
   const double t = std::clamp(glm::dot(to_p, edge) / glm::dot(edge, edge), 0.0, 1.0);
   return static_cast<float>(glm::length(to_p - t * edge) + std::lerp<double, double, double>(a.moved, b.moved, t));
 }
@@ -60,7 +57,7 @@ class Clipper {
     const std::size_t other = 1 - axis_;
     p[other] = round_to_step(p[other], shift);
     p[2] = round_to_step(p[2], shift);
-    moved += static_cast<float>(glm::length(between(before, p)));
+    moved += static_cast<float>(glm::distance(to_dvec(before), to_dvec(p)));
   }
 
   Corner intersect(Corner from, Corner to) {
@@ -139,11 +136,14 @@ void apply_splits(std::vector<LooseFace>& faces, const std::vector<EdgeSplit>& s
   if (splits.empty()) return;
   const auto find = [&](LatticePoint a, LatticePoint b) -> const EdgeSplit* {
     if (b < a) std::swap(a, b);
-    const auto at =
-        std::lower_bound(splits.begin(), splits.end(), std::pair{a, b}, [](const EdgeSplit& s, const auto& k) {
-          return std::pair{s.a, s.b} < k;
+    // Of several, which differ in `moved` alone, the last: the farthest.
+    const auto behind =
+        std::upper_bound(splits.begin(), splits.end(), std::pair{a, b}, [](const auto& k, const EdgeSplit& s) {
+          return k < std::pair{s.a, s.b};
         });
-    return at != splits.end() && at->a == a && at->b == b ? &*at : nullptr;
+    if (behind == splits.begin()) return nullptr;
+    const EdgeSplit& last = *std::prev(behind);
+    return last.a == a && last.b == b ? &last : nullptr;
   };
   // Faces grow at the end while they are halved: each half is looked at again.
   for (std::size_t i = 0; i < faces.size(); ++i) {

@@ -19,8 +19,6 @@ constexpr double kWaste = 8;                   // of a box, against a triangle's
 constexpr int kTiedMost = 256;                 // triangles looked at for the best aligned
 constexpr double kAligned = 1 - 1e-9;          // nothing is better aligned
 
-glm::dvec3 to_dvec(const LatticePoint& p) { return {p[0], p[1], p[2]}; }
-
 double squared_distance_to_box(const glm::dvec3& p, const glm::dvec3& low, const glm::dvec3& high) {
   const double x = std::max(std::max(low.x - p.x, p.x - high.x), 0.0);
   const double y = std::max(std::max(low.y - p.y, p.y - high.y), 0.0);

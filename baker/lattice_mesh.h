@@ -7,12 +7,15 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
 namespace zc {
 
 using LatticePoint = std::array<std::int32_t, 3>;
+
+inline glm::dvec3 to_dvec(const LatticePoint& p) { return {p[0], p[1], p[2]}; }
 
 // Widest distance of two points of a world, in steps.
 inline constexpr std::int64_t kLatticeExtentMax = std::int64_t{1} << 30;

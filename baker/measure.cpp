@@ -31,8 +31,6 @@ struct Sample {
   bool is_vertex = false;  // counts for the largest distance only
 };
 
-glm::dvec3 to_dvec(const LatticePoint& p) { return {p[0], p[1], p[2]}; }
-
 std::size_t sample_count(std::size_t faces) {
   return std::clamp(kSamplesPerTriangle * faces, kSamplesMin, kSamplesMax);
 }

@@ -28,7 +28,7 @@ struct ProxyNode {
 
 struct ProxyTree {
   std::vector<ProxyNode> nodes;
-  std::uint64_t coarse_zones = 0;        // leaves whose step alone moves points by more than the error bound
+  std::uint64_t coarse_zones = 0;        // leaves whose rounding alone moves points by more than the error bound
   std::uint64_t lost_triangles = 0;      // of the details, in the rounding to their zones' steps
   std::uint64_t bounded_zones = 0;       // whose simplification ended at its bound of work
   std::uint64_t work = 0;                // boxes and triangles looked at

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "base/file.h"
+#include "base/text.h"
 
 namespace zc {
 namespace {
@@ -55,6 +56,7 @@ Result<CameraSample> parse_line(std::string_view line) {
 Result<CameraPath> read_csv(std::string_view text, const std::string& file) {
   CameraPath path;
   std::size_t number = 0;
+  take(text, "\xEF\xBB\xBF");  // the byte order mark that spreadsheets write
   while (!text.empty()) {
     const std::size_t length = std::min(text.find('\n'), text.size());
     std::string_view line = text.substr(0, length);

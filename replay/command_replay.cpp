@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <iostream>
@@ -66,7 +65,7 @@ Result<ReplayOptions> to_options(const Arguments& a) {
   ZC_ASSIGN(options.source, parse_source_options(a.world));
   options.out = a.out;
   ZC_ASSIGN(options.streamer.cap_bytes, parse_bytes(a.cap));
-  options.source.held_bytes_most = std::max(options.streamer.cap_bytes, kSmallIndexBytes);
+  options.source.held_bytes_most = index_limit_bytes(options.streamer.cap_bytes);
   ZC_ASSIGN(options.host_budget_bytes, parse_bytes(a.host_budget));
   ZC_ASSIGN(options.streamer.source_latency_s, parse_seconds(a.latency));
   if (!a.bandwidth.empty()) {
@@ -78,6 +77,8 @@ Result<ReplayOptions> to_options(const Arguments& a) {
     return Error{ErrorCode::kArgument, "--tolerance and --look-ahead need finite numbers"};
   if (!a.upload_budget.empty()) {
     ZC_ASSIGN(options.streamer.upload_bytes_per_frame, parse_bytes(a.upload_budget));
+    if (options.streamer.upload_bytes_per_frame == 0)
+      return Error{ErrorCode::kArgument, "--upload-budget is one byte at least: with none nothing is ever shown"};
   }
   if (a.trace && a.out.empty()) return Error{ErrorCode::kArgument, "--trace needs a folder for trace.json: -o"};
   if (!a.frames.empty()) {

@@ -2,9 +2,11 @@
 // Parses, calls, reports. Exit codes: 0 success, 1 failure, 2 bad arguments.
 #include <malloc.h>
 #include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/dup_filter_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <climits>
 #include <exception>
 #include <iostream>
@@ -70,7 +72,10 @@ int main(int argc, char** argv) {
   // Decode scratch goes back to the system when it is freed, so that the process holds what the ledger says.
   mallopt(M_MMAP_THRESHOLD, 1 << 16);
   mallopt(M_TRIM_THRESHOLD, 1 << 16);
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("zonecast"));
+  // An archive that ends early fails page after page with the same words.
+  const auto once = std::make_shared<spdlog::sinks::dup_filter_sink_mt>(std::chrono::hours(24));
+  once->add_sink(std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>("zonecast", once));
   auto formatter = std::make_unique<spdlog::pattern_formatter>();
   formatter->add_flag<PrintableMessage>('*').set_pattern("%n: %l: %*");
   spdlog::set_formatter(std::move(formatter));

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "replay/text_file.h"
 
+#include <cerrno>
+#include <cstring>
+
 namespace zc {
 
 Result<TextFile> TextFile::create(const std::filesystem::path& file) {
@@ -8,6 +11,7 @@ Result<TextFile> TextFile::create(const std::filesystem::path& file) {
   text.file_ = file;
   text.temporary_ = file;
   text.temporary_ += ".tmp";
+  errno = 0;  // the stream tells no cause, the call beneath it does
   text.stream_.open(text.temporary_, std::ios::trunc);
   ZC_TRY(text.status());
   return text;
@@ -21,17 +25,20 @@ TextFile::~TextFile() {
 }
 
 Status TextFile::status() const {
-  if (!stream_) return Error{ErrorCode::kIo, "cannot write", file_.string()};
-  return {};
+  if (stream_) return {};
+  const std::string cause = errno != 0 ? ": " + std::string(std::strerror(errno)) : "";
+  return Error{ErrorCode::kIo, "cannot write" + cause, file_.string()};
 }
 
 Status TextFile::close() {
+  errno = 0;
   stream_.close();
+  const Status written = status();
   std::error_code failure;
   std::error_code ignored;
-  if (!stream_) {
+  if (!written.ok()) {
     std::filesystem::remove(temporary_, ignored);
-    return status();
+    return written;
   }
   std::filesystem::rename(temporary_, file_, failure);
   if (failure) {

@@ -13,6 +13,7 @@
 namespace zc {
 namespace {
 
+constexpr std::uint64_t kSmallIndexBytes = 16U << 20U;
 constexpr std::uint64_t kBytesPerPage = kPagerBytesPerPage + kTopLevelBytesPerPage;
 
 std::uint64_t request_bytes(const NodeRecord& node) { return compressed_bytes(node) + node.page_bytes; }
@@ -111,6 +112,8 @@ std::uint64_t fit_pool(std::uint64_t room, std::uint64_t root_bytes, const PageS
 LoadLimits load_limits(const MemoryPlan& plan, bool include_detail) {
   return {plan.in_flight_bytes, plan.scratch_bytes, include_detail};
 }
+
+std::uint64_t index_limit_bytes(std::uint64_t cap_bytes) { return std::max(cap_bytes, kSmallIndexBytes); }
 
 std::uint64_t smallest_cap_bytes(const WorldIndex& index, std::uint64_t source_bytes) {
   const NodeRecord& root = index.nodes[0];

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/file.h"
+#include "base/text.h"
 #include "streamer/archive_source.h"
 #include "streamer/http/http_source.h"
 
@@ -121,7 +122,10 @@ Result<std::unique_ptr<SourceFile>> Source::open(const std::string& name, std::u
   return std::unique_ptr<SourceFile>(std::make_unique<FileInMemory>(std::move(bytes), name));
 }
 
-bool is_url(std::string_view place) { return place.starts_with("http://") || place.starts_with("https://"); }
+bool is_url(std::string_view place) {
+  const std::string start = lower(place.substr(0, 8));
+  return start.starts_with("http://") || start.starts_with("https://");
+}
 
 Result<std::unique_ptr<Source>> open_source(const std::filesystem::path& place, const SourceOptions& options) {
   if (is_url(place.native())) return open_http_source(place.native(), options);

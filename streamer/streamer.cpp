@@ -490,8 +490,7 @@ class Streamer::Impl {
 };
 
 Result<std::unique_ptr<Streamer>> Streamer::open(Source& source, const StreamerOptions& options, PageSink& sink) {
-  // What the cap cannot hold is not read, however long a server goes on; a small index is, to name the cap that works.
-  ZC_ASSIGN(WorldIndex index, read_world_index(source, {}, std::max(options.cap_bytes, kSmallIndexBytes)));
+  ZC_ASSIGN(WorldIndex index, read_world_index(source, {}, index_limit_bytes(options.cap_bytes)));
   ZC_ASSIGN(const MemoryPlan plan, plan_memory(index, options, source.held_bytes()));
   auto ledger = std::make_unique<Ledger>(options.cap_bytes);
   {

@@ -49,8 +49,9 @@ struct StreamerOptions {
   std::function<void(const Error&)> on_failure = {};  // once per node, on the calling thread
 };
 
-// An index of this size is read whatever the cap, to name the cap that works.
-inline constexpr std::uint64_t kSmallIndexBytes = 16U << 20U;
+// What an index may take of the memory before it is known whether the cap holds it: what no cap of this size holds is
+// not read, however long a server goes on; a small one is, to name the cap that works.
+[[nodiscard]] std::uint64_t index_limit_bytes(std::uint64_t cap_bytes);
 
 // The smallest cap under which a world opens: index, node state, the root's page and what loading it takes.
 // source_bytes: held_bytes() of the source that it is read from.

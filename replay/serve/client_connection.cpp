@@ -19,7 +19,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kSliceMs = 50;  // after which `stop` is looked at
+constexpr int kSliceMs = 50;  // after which the server's state is looked at
 
 int left_ms(Clock::time_point until) {
   return static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count());
@@ -61,8 +61,8 @@ void name_of(const sockaddr_storage& address, socklen_t bytes, std::string& ip, 
 
 }  // namespace
 
-ClientConnection::ClientConnection(int socket, const ConnectionTimes& times, const std::atomic<bool>& stop)
-    : socket_(socket), times_(times), stop_(stop) {
+ClientConnection::ClientConnection(int socket, const ConnectionTimes& times, const std::atomic<ServerState>& server)
+    : socket_(socket), times_(times), server_(server) {
   // Head and body are two writes: the second would wait until the client has acknowledged the first.
   const int yes = 1;
   ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
@@ -102,7 +102,7 @@ ClientConnection::Next ClientConnection::next() {
     if (received_.size() > kHeaderLimitBytes) return Next::kTooLarge;
     const int left = left_ms(until);
     if (left <= 0) return received_.empty() ? Next::kEnd : Next::kTooSlow;
-    if (stop_ && received_.empty()) return Next::kEnd;
+    if (server_ != ServerState::kServing && received_.empty()) return Next::kEnd;
     if (!wait(POLLIN, std::min(left, kSliceMs))) continue;
     const ssize_t got = ::recv(socket_, chunk.data(), chunk.size(), 0);
     if (got < 0 && errno == EINTR) continue;
@@ -129,8 +129,11 @@ ssize_t ClientConnection::read(char* out, std::size_t bytes) {
 }
 
 ssize_t ClientConnection::write(const char* data, std::size_t bytes) {
+  const auto until = Clock::now() + std::chrono::milliseconds(times_.write_ms);
   while (true) {
-    if (!wait(POLLOUT, times_.write_ms)) return -1;
+    const int left = left_ms(until);
+    if (left <= 0 || server_ == ServerState::kEnded) return -1;
+    if (!wait(POLLOUT, std::min(left, kSliceMs))) continue;
     const ssize_t put = ::send(socket_, data, bytes, MSG_NOSIGNAL | MSG_DONTWAIT);
     if (put < 0 && (errno == EINTR || errno == EAGAIN)) continue;
     if (put > 0) written_ += static_cast<std::uint64_t>(put);

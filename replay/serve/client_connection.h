@@ -23,10 +23,12 @@ struct ConnectionTimes {
   int write_ms = 10'000;    // until the client takes more
 };
 
+enum class ServerState { kServing, kLastRequests, kEnded };
+
 class ClientConnection final : public httplib::Stream {
  public:
-  // `stop`: idle connections end soon after it is set.
-  ClientConnection(int socket, const ConnectionTimes& times, const std::atomic<bool>& stop);
+  // `server`: idle connections end soon after it stops serving, those that are written to when it has ended.
+  ClientConnection(int socket, const ConnectionTimes& times, const std::atomic<ServerState>& server);
   ClientConnection(const ClientConnection&) = delete;
   ClientConnection& operator=(const ClientConnection&) = delete;
   ~ClientConnection() override;
@@ -54,7 +56,7 @@ class ClientConnection final : public httplib::Stream {
 
   const int socket_;
   const ConnectionTimes times_;
-  const std::atomic<bool>& stop_;
+  const std::atomic<ServerState>& server_;
   std::string received_;        // the request, and what came behind it
   std::size_t head_bytes_ = 0;  // of the request
   std::size_t read_ = 0;        // of them

@@ -64,6 +64,13 @@ bool send_piece(const ServedFile& file, const std::vector<BodyPart>& parts, std:
   return false;
 }
 
+// What is answered to what is no request.
+std::pair<int, const char*> refusal_of(ClientConnection::Next next) {
+  if (next == ClientConnection::Next::kTooLarge) return {431, "431 Request Header Fields Too Large"};
+  if (next == ClientConnection::Next::kTooSlow) return {408, "408 Request Timeout"};
+  return {400, "400 Bad Request"};
+}
+
 std::string content_range(const ByteRange& range, std::uint64_t bytes) {
   return "bytes " + std::to_string(range.first) + "-" + std::to_string(range.last) + "/" + std::to_string(bytes);
 }
@@ -166,10 +173,12 @@ class WorldServer::Impl final : public httplib::Server {
     // IPv6 addresses are written in brackets in URLs.
     std::string address = options_.address;
     if (address.starts_with('[') && address.ends_with(']')) address = address.substr(1, address.size() - 2);
+    errno = 0;  // an address that no name server knows sets none
     const bool bound =
         options_.port == 0 ? (port_ = bind_to_any_port(address)) > 0 : bind_to_port(address, port_ = options_.port);
     if (!bound)
-      return Error{ErrorCode::kIo, "cannot listen there: " + std::string(std::strerror(errno)),
+      return Error{ErrorCode::kIo,
+                   "cannot listen there: " + std::string(errno != 0 ? std::strerror(errno) : "no such address"),
                    options_.address + ":" + std::to_string(options_.port)};
     ::listen(svr_sock_, kBacklog);
     return {};
@@ -179,11 +188,12 @@ class WorldServer::Impl final : public httplib::Server {
 
   void run() {
     std::thread ending([this] {
-      stopping_.wait(false);
+      state_.wait(ServerState::kServing);
       const auto until = Clock::now() + kLastRequests;
       while (metrics_.in_flight() > 0 && Clock::now() < until)
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
       while (!is_running() && !ended_) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      state_ = ServerState::kEnded;
       httplib::Server::stop();
     });
     listen_after_bind();
@@ -193,14 +203,15 @@ class WorldServer::Impl final : public httplib::Server {
   }
 
   void stop() {
-    stopping_ = true;
-    stopping_.notify_all();
+    ServerState serving = ServerState::kServing;
+    state_.compare_exchange_strong(serving, ServerState::kLastRequests);
+    state_.notify_all();
   }
 
  private:
   void answer(const Request& request, Response& response) const {
     if (request.method == "OPTIONS") {
-      response.status = 204;
+      response.status = 200;  // the library gives 204 a Content-Length, which it must not have
       response.set_header("Allow", "GET, HEAD, OPTIONS");
       response.set_header("Access-Control-Allow-Methods", "GET, HEAD, OPTIONS");
       response.set_header("Access-Control-Allow-Headers", "Range, If-Range, If-None-Match");
@@ -226,8 +237,8 @@ class WorldServer::Impl final : public httplib::Server {
 
   // In place of the library's: see client_connection.h.
   bool process_and_close_socket(socket_t socket) override {
-    ClientConnection connection(socket, options_.times, stopping_);
-    if (refuse_connection || stopping_) {
+    ClientConnection connection(socket, options_.times, state_);
+    if (refuse_connection || state_ != ServerState::kServing) {
       metrics_.refuse_connection();
       connection.refuse("503 Service Unavailable\r\nRetry-After: 1");
       return false;
@@ -247,17 +258,14 @@ class WorldServer::Impl final : public httplib::Server {
     const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - began).count(); };
     metrics_.begin_request();
     if (next != ClientConnection::Next::kRequest) {
-      const auto [status, line] = next == ClientConnection::Next::kTooLarge
-                                      ? std::pair(431, "431 Request Header Fields Too Large")
-                                  : next == ClientConnection::Next::kTooSlow ? std::pair(408, "408 Request Timeout")
-                                                                             : std::pair(400, "400 Bad Request");
+      const auto [status, line] = refusal_of(next);
       connection.refuse(line);
       metrics_.end_request(status, 0, seconds());
       return false;
     }
     last_status_ = 0;  // nothing was sent
     bool closed = false;
-    const bool last = connection.has_body() || stopping_;
+    const bool last = connection.has_body() || state_ != ServerState::kServing;
     const bool sent = process_request(connection, last, closed, nullptr);
     metrics_.end_request(last_status_, connection.written_bytes() - before, seconds());
     const bool lost = last_status_ == 400 || last_status_ == 414;  // where one request ends and the next begins
@@ -268,7 +276,7 @@ class WorldServer::Impl final : public httplib::Server {
   const ServeOptions options_;
   ServeMetrics metrics_;
   int port_ = 0;
-  std::atomic<bool> stopping_ = false;
+  std::atomic<ServerState> state_ = ServerState::kServing;
   std::atomic<bool> ended_ = false;
   static thread_local int last_status_;  // of the answer that this thread sent
 };

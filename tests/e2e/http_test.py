@@ -114,6 +114,7 @@ class Worlds(support.Case):
         closed.stop()
         for arguments, code, *parts in (
                 (["inspect", self.server.url("none")], FAILURE, self.server.url("none/world.zcw"), "404"),
+                (["inspect", self.server.url("none").replace("http:", "HTTP:")], FAILURE, "404"),
                 (["inspect", self.server.url("none.3tz")], FAILURE, "none.3tz", "404"),
                 (["inspect", self.server.url("text.3tz")], FAILURE, "text.3tz", "not a 3D Tiles archive"),
                 (["inspect", closed.url("world")], FAILURE, closed.url("world/world.zcw")),

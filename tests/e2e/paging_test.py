@@ -97,6 +97,7 @@ class Paging(support.Case):
         self.assert_refused((*base, "--path", self.drive, "--path", self.folder / "none.csv"), 1, "none.csv")
         self.assert_refused((*base, "--path", self.drive, "--prediction", "tarot"), 2, "--prediction")
         self.assert_refused((*base, "--path", self.drive, "--upload-budget", "much"), 2, "much")
+        self.assert_refused((*base, "--path", self.drive, "--upload-budget", "0.5B"), 2, "--upload-budget")
 
 
 if __name__ == "__main__":

@@ -70,7 +70,8 @@ class Served(support.Case):
 
     def replay(self, world, *options):
         out = self.folder / "out"
-        self.zonecast("replay", world, "--path", self.path, "--cap", self.cap_for(world), "--no-render", "-o", out, *options)
+        self.zonecast("replay", world, "--path", self.path, "--cap", self.cap_for(world), "--no-render", "-o", out,
+                      *options)
         return json.loads((out / "stats.json").read_text())
 
     def test_a_world_pages_from_it_as_from_its_folder(self):
@@ -175,7 +176,7 @@ class Served(support.Case):
         status, headers, _ = ask(self.address, "/world.zcw", "OPTIONS", {
             "Origin": "https://city.example", "Access-Control-Request-Method": "GET",
             "Access-Control-Request-Headers": "range"})
-        self.assertEqual((status, headers["access-control-allow-origin"]), (204, "*"))
+        self.assertEqual((status, headers["access-control-allow-origin"]), (200, "*"))
         self.assertIn("Range", headers["access-control-allow-headers"])
         for method in ("POST", "PUT", "DELETE", "PATCH", "TRACE"):
             status, headers, _ = ask(self.address, "/world.zcw", method, body=b"GET /healthz HTTP/1.1\r\n\r\n")
@@ -231,12 +232,11 @@ class Served(support.Case):
             ask(address, "/world.zcw", headers={"If-None-Match": etag})
             ask(address, "/world.zcw", headers={"Range": "bytes=0-9"})
             ask(address, "/none")
-            while metric(address, "zonecast_http_in_flight") > 1:  # an answer counts once its last byte is sent
-                pass
-            text = ask(address, "/metrics")[2].decode()
-            for code, count in ((304, 1), (206, 1), (404, 1)):
+            text, ended = "", 0
+            while "zonecast_http_in_flight 1\n" not in text:  # an answer counts once its last byte is sent
+                text, ended = ask(address, "/metrics")[2].decode(), ended + 1
+            for code, count in ((200, ended), (304, 1), (206, 1), (404, 1)):
                 self.assertIn(f'zonecast_http_requests_total{{code="{code}"}} {count}\n', text)
-            self.assertGreaterEqual(metric(address, 'zonecast_http_requests_total{code="200"}'), 1)
             self.assertIn("zonecast_http_cache_hits_total 1\n", text)
             self.assertIn("zonecast_http_in_flight 1\n", text)
             self.assertGreater(metric(address, "zonecast_http_sent_bytes_total"), len(self.index))
@@ -286,6 +286,7 @@ class Served(support.Case):
                 (["serve", self.address], ARGUMENTS, self.address),
                 (["serve", self.world, "--port", port], FAILURE, str(port)),
                 (["serve", self.world, "--bind", "203.0.113.1"], FAILURE, "203.0.113.1"),
+                (["serve", self.world, "--bind", "no.such.host.invalid"], FAILURE, "no such address"),
                 (["serve", self.world, "--port", "70000"], ARGUMENTS, "70000"),
                 (["serve", self.world, "--listen", "8080"], ARGUMENTS, "ADDR:PORT"),
                 (["serve", self.world, "--connections", "0"], ARGUMENTS, "--connections")):

@@ -240,7 +240,7 @@ TEST(Light, AProxyWithinTheBodyHasTheLightOfTheSurface) {
 TEST(LightScene, LongTrianglesAskewAreHitAsTheyAre) {
   constexpr int kBlades = 2000;
   const auto rim = [](int i) {
-    const double turn = 2 * 3.14159265358979 * i / kBlades;
+    const double turn = 2 * kPi * i / kBlades;
     return LatticePoint{static_cast<std::int32_t>(128000 * (1 + std::cos(turn))),
                         static_cast<std::int32_t>(128000 * (1 + std::sin(turn))), 256 * (i * 7 % 5)};
   };

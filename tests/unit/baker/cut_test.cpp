@@ -188,7 +188,7 @@ TEST(Cut, ZonesTellHowFarRoundedBordersLieOffTheGround) {
   const double snap = std::sqrt(0.75);
   const ZoneTree tree = cut_zones(scene, 10);
   double farthest = 0;
-  double near_to_step = std::numeric_limits<double>::infinity();
+  double least_moved = std::numeric_limits<double>::infinity();
   for (const Zone& zone : tree.zones) {
     if (!zone.children.empty()) continue;
     double off = 0;
@@ -198,10 +198,10 @@ TEST(Cut, ZonesTellHowFarRoundedBordersLieOffTheGround) {
     }
     EXPECT_LE(off, zone.moved[1] + snap);
     farthest = std::max(farthest, off);
-    near_to_step = std::min<double>(near_to_step, zone.moved[1]);
+    least_moved = std::min<double>(least_moved, zone.moved[1]);
   }
-  EXPECT_GT(farthest, 20);      // steps: the case is hard
-  EXPECT_LT(near_to_step, 20);  // and only so where coarse borders are
+  EXPECT_GT(farthest, 20);     // steps: the case is hard
+  EXPECT_LT(least_moved, 20);  // and only so where coarse borders are
 }
 
 }  // namespace

@@ -54,6 +54,12 @@ TEST_F(CameraPathFile, CsvKeepsEveryDigitOfLargeCoordinates) {
   EXPECT_TRUE(sample.name.empty());
 }
 
+TEST_F(CameraPathFile, CsvMayBeginWithAByteOrderMark) {
+  const auto path = read("\xEF\xBB\xBF" + kHeader + "0,0,0,0,1,0,0,60\n");
+  ASSERT_TRUE(path.ok()) << path.error().describe();
+  EXPECT_EQ(path->size(), 1U);
+}
+
 TEST_F(CameraPathFile, CsvTakesEitherLineEndBlankLinesAndNoLastLineEnd) {
   std::string text = kHeader + "0,0,0,0,1,0,0,60\n\n1,0,0,0,1,0,0,60\n1,0,0,0,1,0,0,60";
   const auto unix_path = read(text);
