@@ -42,6 +42,7 @@ class DistanceBvh {
 
   [[nodiscard]] bool empty() const { return triangles_.empty(); }
   [[nodiscard]] const LatticeBox& bounds() const { return bounds_; }
+  [[nodiscard]] bool may_have(std::uint16_t look) const { return !empty() && (nodes_[0].looks & look_bit(look)) != 0; }
   [[nodiscard]] double distance_to_bounds(const glm::dvec3& p) const;
 
   // Improves `best` (start with an infinite distance); what is within `tie` / 2 steps is close enough. Of triangles

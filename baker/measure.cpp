@@ -21,8 +21,10 @@ constexpr std::size_t kSamplesMin = 2000;
 constexpr std::size_t kSamplesMax = 20000;
 constexpr std::size_t kVerticesMax = 20000;
 constexpr double kTieSteps = 1.0;
-constexpr std::size_t kBlock = 512;              // samples that share the work they may take
-constexpr std::uint64_t kBlockWork = 1'000'000;  // twice what the hardest take of the cities that we know
+constexpr std::size_t kBlock = 512;  // samples that share the work they may take
+// Twice what the hardest take of the cities that we know; as much again for the looks, so that what is nowhere near
+// leaves no distance loose.
+constexpr std::uint64_t kBlockWork = 1'000'000;
 
 struct Sample {
   glm::dvec3 point;
@@ -69,23 +71,24 @@ void add_vertex_samples(const LatticeMesh& mesh, std::size_t limit, std::vector<
     out.push_back({to_dvec(mesh.vertices[i]), glm::dvec3(0), 0, true});
 }
 
-ClosestHit closest_of(std::span<const DetailSurface> surfaces, const Sample& sample, Work& work) {
-  ClosestHit best;
-  best.distance = std::numeric_limits<double>::infinity();
-  if (surfaces.size() == 1) {
-    surfaces[0].bvh->closest(sample.point, sample.normal, kTieSteps, best, &work);
-    return best;
-  }
-  // The nearest box first: it usually settles all others.
+// The one with the nearest box: it usually settles all others.
+std::size_t nearest_box(std::span<const DetailSurface> surfaces, const glm::dvec3& p) {
   std::size_t first = 0;
-  double first_distance = best.distance;
-  for (std::size_t i = 0; i < surfaces.size(); ++i) {
-    const double distance = surfaces[i].bvh->distance_to_bounds(sample.point);
+  double first_distance = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < surfaces.size() && surfaces.size() > 1; ++i) {
+    const double distance = surfaces[i].bvh->distance_to_bounds(p);
     if (distance < first_distance) {
       first = i;
       first_distance = distance;
     }
   }
+  return first;
+}
+
+ClosestHit closest_of(std::span<const DetailSurface> surfaces, const Sample& sample, Work& work) {
+  ClosestHit best;
+  best.distance = std::numeric_limits<double>::infinity();
+  const std::size_t first = nearest_box(surfaces, sample.point);
   surfaces[first].bvh->closest(sample.point, sample.normal, kTieSteps, best, &work);
   for (std::size_t i = 0; i < surfaces.size(); ++i)
     if (i != first && surfaces[i].bvh->distance_to_bounds(sample.point) <= best.distance + kTieSteps)
@@ -96,9 +99,11 @@ ClosestHit closest_of(std::span<const DetailSurface> surfaces, const Sample& sam
 // Distance from p to the nearest surface of a look, or to any within `enough`, or `limit`.
 double look_distance(std::span<const DetailSurface> surfaces, const glm::dvec3& p, std::uint16_t look, double limit,
                      double enough, Work& work) {
-  for (const DetailSurface& surface : surfaces)
-    if (limit > enough && surface.bvh->distance_to_bounds(p) < limit)
-      limit = surface.bvh->closest_of_look(p, look, limit, enough, &work);
+  const std::size_t first = nearest_box(surfaces, p);
+  limit = surfaces[first].bvh->closest_of_look(p, look, limit, enough, &work);
+  for (std::size_t i = 0; i < surfaces.size() && limit > enough; ++i)
+    if (i != first && surfaces[i].bvh->may_have(look) && surfaces[i].bvh->distance_to_bounds(p) < limit)
+      limit = surfaces[i].bvh->closest_of_look(p, look, limit, enough, &work);
   return limit;
 }
 
@@ -120,8 +125,9 @@ void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> 
   std::vector<ClosestHit> hits(samples.size());
   std::vector<double> appearance(samples.size(), 0.0);
   std::vector<std::uint64_t> work_done((samples.size() + kBlock - 1) / kBlock);
+  std::vector<char> is_loose(work_done.size());
   tbb::parallel_for(std::size_t{0}, work_done.size(), [&](std::size_t block) {
-    Work work{kBlockWork};
+    Work work{kBlockWork}, look_work{kBlockWork};
     double largest = 0;  // of this block: a sample that cannot exceed it needs no exact distance
     for (std::size_t i = block * kBlock; i < std::min(samples.size(), (block + 1) * kBlock); ++i) {
       hits[i] = closest_of(surfaces, samples[i], work);
@@ -129,17 +135,18 @@ void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> 
       const std::uint16_t seen = looks[hits[i].material];
       if (samples[i].is_vertex || look == seen) continue;
       const double here =
-          look_distance(own, samples[i].point, seen, std::numeric_limits<double>::infinity(), largest, work);
+          look_distance(own, samples[i].point, seen, std::numeric_limits<double>::infinity(), largest, look_work);
       if (here <= largest) continue;
-      appearance[i] = look_distance(surfaces, samples[i].point, look, here, largest, work);
+      appearance[i] = look_distance(surfaces, samples[i].point, look, here, largest, look_work);
       if (!std::isfinite(appearance[i])) appearance[i] = hits[i].distance;
       largest = std::max(largest, appearance[i]);
     }
-    work_done[block] = work.done;
+    work_done[block] = work.done + look_work.done;
+    is_loose[block] = work.is_spent() || look_work.is_spent();
   });
-  for (const std::uint64_t done : work_done) {
-    sums.work += done;
-    sums.is_loose = sums.is_loose || done >= kBlockWork;
+  for (std::size_t block = 0; block < work_done.size(); ++block) {
+    sums.work += work_done[block];
+    sums.is_loose = sums.is_loose || is_loose[block] != 0;
   }
   // Summed in order: the same result at any thread count.
   for (std::size_t i = 0; i < samples.size(); ++i) {

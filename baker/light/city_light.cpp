@@ -73,14 +73,14 @@ struct Region {
 
 std::vector<Region> make_regions(std::span<const NodeRecord> nodes, double step_m) {
   std::vector<Box> boxes;
-  Box all;
+  LatticeBox all;  // without errors: the city is not to be parted anew when one of them changes
   for (const NodeRecord& node : nodes) {
     boxes.push_back(box_of(node, step_m));
-    all.add(boxes.back());
+    all.add(LatticeBox{node.bounds_min, node.bounds_max});
   }
+  const std::int64_t steps = std::max(std::int64_t{all.max[0]} - all.min[0], std::int64_t{all.max[1]} - all.min[1]);
   std::uint32_t depth = 0;
-  for (float width = std::max(all.high.x - all.low.x, all.high.y - all.low.y); width > 2 * kLightReachM; width /= 2)
-    ++depth;
+  for (double width = static_cast<double>(steps) * step_m; width > 2 * kLightReachM; width /= 2) ++depth;
   std::vector<std::uint32_t> region_of(nodes.size());
   std::vector<Region> regions;
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {  // children lie behind their parents

@@ -293,6 +293,33 @@ TEST(Measure, AKnownOffsetIsFoundBothWays) {
   EXPECT_NEAR(error.normal_deviation_deg, 0, 1e-3);
 }
 
+TEST(Measure, ALookThatIsNowhereLeavesDistancesCloseOnManySurfaces) {
+  constexpr std::int32_t kSide = 50;    // surfaces along a side
+  constexpr std::int32_t kSteps = 256;  // of a surface
+  const auto quad = [](LatticePoint at, std::int32_t size, std::uint16_t material) {
+    const auto [x, y, z] = at;
+    return LatticeMesh{{{x, y, z}, {x + size, y, z}, {x + size, y + size, z}, {x, y + size, z}},
+                       {{{0, 1, 2}, material}, {{0, 2, 3}, material}}};
+  };
+  const std::vector<Material> materials = {{"a", {0, 0, 0}}, {"b", {0.5F, 0.5F, 0.5F}}};
+  const std::vector<std::uint16_t> looks = look_classes(materials);
+  std::vector<LatticeMesh> meshes;
+  std::vector<DistanceBvh> trees;
+  std::vector<DetailSurface> surfaces;
+  for (std::int32_t i = 0; i < kSide * kSide; ++i) {
+    meshes.push_back(quad({i % kSide * kSteps, i / kSide * kSteps, 0}, kSteps, 0));
+    trees.emplace_back(meshes.back(), looks);
+  }
+  for (std::size_t i = 0; i < meshes.size(); ++i) surfaces.push_back({&meshes[i], &trees[i]});
+  const LatticeMesh proxy = quad({0, 0, kSteps}, kSide * kSteps, 1);
+  const SurfaceError error = measure_proxy(proxy, surfaces, materials, looks, 1.0 / kSteps);
+  EXPECT_FALSE(error.is_loose);
+  EXPECT_GE(error.max_m, 1);
+  EXPECT_LT(error.max_m, 2);  // a bound
+  EXPECT_NEAR(error.mean_m, 1, 1e-6);
+  EXPECT_NEAR(error.appearance_m, 1, 1e-6);  // where there is nothing of its look: to the other surface
+}
+
 TEST(Measure, ClosestPointsAgreeWithEveryTriangleTried) {
   SceneMaker maker;
   maker.terrain({0, 0, 0}, 12, 3.3);
