@@ -23,6 +23,7 @@ constexpr double kInnerTargetSmall = 0.65;
 constexpr double kEnough = 0.5;           // of the tolerance: how far something lost may be from all that is left
 constexpr std::size_t kStandInShare = 4;  // of the target goes to what stands in for the lost, at most
 constexpr double kFirstToleranceM = 0.25;
+constexpr double kSmallParts = 2;  // of the tolerance: smaller parts go before larger ones lose their shapes
 
 std::vector<bool> locked_vertices(const CellGrid& grid, const Zone& zone, const LatticeMesh& mesh) {
   std::vector<bool> locked(mesh.vertices.size());
@@ -49,7 +50,7 @@ double coarsen(const SimplifyContext& context, const Zone& zone, double toleranc
                LatticeMesh& mesh) {
   const double limit = bounds_of(mesh).diagonal() / 8;
   for (; mesh.faces.size() > target; tolerance *= 2) {
-    drop_small_components(mesh, tolerance, target);
+    drop_small_components(mesh, kSmallParts * tolerance, target);
     if (mesh.faces.size() <= target) return tolerance;
     absorb_small_patches(mesh, 2 * tolerance);
     const auto before = static_cast<double>(mesh.faces.size());
