@@ -2,7 +2,6 @@
 // Renderer: what is made once. The frame itself is in renderer.cpp.
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <string>
 
 #include "runtime/renderer.h"
@@ -115,7 +114,7 @@ Status Renderer::create_buffers(std::span<const gpu::MaterialEntry> materials) {
   ZC_TRY(make(frame_buffer_, sizeof(gpu::FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, MemoryUse::kUpload));
   ZC_TRY(make(materials_, std::max<VkDeviceSize>(1, materials.size()) * sizeof(gpu::MaterialEntry), storage,
               MemoryUse::kUpload));
-  std::memcpy(materials_.mapped().data(), materials.data(), materials.size_bytes());
+  std::ranges::copy(std::as_bytes(materials), materials_.mapped().begin());
 
   VkDeviceSize hiz_floats = 0;
   std::uint32_t width = options_.width;

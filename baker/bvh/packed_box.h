@@ -58,7 +58,9 @@ class PackedBox {
   }
   // Half the surface of a box that is not empty: exact, below 2^34.
   [[nodiscard]] std::int64_t half_area() const {
-    const std::uint64_t v = std::bit_cast<std::array<std::uint64_t, 2>>(upper() + lanes_ + kOne)[0];
+    // Unsigned: extents are below 2^16, and sums of the lanes wrap to them.
+    const auto extents = std::bit_cast<UnsignedLanes>(upper()) + std::bit_cast<UnsignedLanes>(lanes_) + 1;
+    const std::uint64_t v = std::bit_cast<std::array<std::uint64_t, 2>>(extents)[0];
     const std::uint64_t x = v & 0xFFFFU;
     const std::uint64_t y = v >> 16U & 0xFFFFU;
     const std::uint64_t z = v >> 32U & 0xFFFFU;
@@ -77,10 +79,10 @@ class PackedBox {
 
  private:
   using Lanes = std::int16_t __attribute__((vector_size(16)));
+  using UnsignedLanes = std::uint16_t __attribute__((vector_size(16)));
   using Lanes4 = std::int16_t __attribute__((vector_size(8)));
   static constexpr std::int16_t kLowest = std::numeric_limits<std::int16_t>::min();
   static constexpr Lanes kFlip = {32767, 32767, 32767, 0, kLowest, kLowest, kLowest, 0};
-  static constexpr Lanes kOne = {1, 1, 1, 1, 1, 1, 1, 1};
   static_assert(sizeof(BvhReference) == sizeof(Lanes));
 
   [[nodiscard]] Lanes upper() const { return __builtin_shufflevector(lanes_, lanes_, 4, 5, 6, 7, 4, 5, 6, 7); }

@@ -80,7 +80,7 @@ class Paging(support.Case):
             samples.append((i / 30, (x, 5400029, 302), (x + 10, 5400028, 301.5)))
         support.write_path(path, samples)
         slow = ("--source-latency", "50ms", "--source-bandwidth", "1MB/s", "--no-render", "--cap", "16MiB", "--tolerance",
-                "0.1", "--path", path)
+                "0.05", "--path", path)
         known = self.replay("jumps", *slow)
         self.assertEqual(known["teleports"]["count"], 3)
         live = self.replay("live", *slow, "--prediction", "velocity")
