@@ -26,7 +26,7 @@ constexpr std::uint64_t kBlockWork = 500'000;
 constexpr std::uint64_t kLeastMoreWork = 8'000'000;  // of the blocks together that need more, whatever their number
 constexpr std::uint64_t kMoreWorkPerFace = 4'000;
 
-// The nearest of several surfaces, the one with the nearest box first: it usually settles all others.
+// The nearest of several surfaces.
 class NearestOfAll {
  public:
   NearestOfAll(std::span<const DetailSurface> surfaces, double near, Work& work)
@@ -34,16 +34,7 @@ class NearestOfAll {
 
   const DistanceTriangle* operator()(const glm::dvec3& p, double& distance) const {
     const DistanceTriangle* found = nullptr;
-    std::size_t first = 0;
-    if (surfaces_.size() > 1) {
-      double first_distance = std::numeric_limits<double>::infinity();
-      for (std::size_t i = 0; i < surfaces_.size(); ++i) {
-        const double to_box = surfaces_[i].bvh->distance_to_bounds(p);
-        if (to_box >= first_distance) continue;
-        first = i;
-        first_distance = to_box;
-      }
-    }
+    const std::size_t first = nearest_box(surfaces_, p);
     surfaces_[first].bvh->nearest(p, kEveryLook, near_, found, distance, &work_);
     for (std::size_t i = 0; i < surfaces_.size() && distance > near_; ++i)
       if (i != first && surfaces_[i].bvh->distance_to_bounds(p) < distance)

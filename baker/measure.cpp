@@ -22,9 +22,10 @@ constexpr std::size_t kSamplesMax = 20000;
 constexpr std::size_t kVerticesMax = 20000;
 constexpr double kTieSteps = 1.0;
 constexpr std::size_t kBlock = 512;  // samples that share the work they may take
-// Twice what the hardest take of the cities that we know; as much again for the looks, so that what is nowhere near
-// leaves no distance loose.
+// Twice what the hardest take of the cities that we know. Looks have their own, so that one that is nowhere near leaves
+// no distance loose.
 constexpr std::uint64_t kBlockWork = 1'000'000;
+constexpr std::uint64_t kBlockLookWork = 400'000;
 
 struct Sample {
   glm::dvec3 point;
@@ -71,20 +72,6 @@ void add_vertex_samples(const LatticeMesh& mesh, std::size_t limit, std::vector<
     out.push_back({to_dvec(mesh.vertices[i]), glm::dvec3(0), 0, true});
 }
 
-// The one with the nearest box: it usually settles all others.
-std::size_t nearest_box(std::span<const DetailSurface> surfaces, const glm::dvec3& p) {
-  std::size_t first = 0;
-  double first_distance = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < surfaces.size() && surfaces.size() > 1; ++i) {
-    const double distance = surfaces[i].bvh->distance_to_bounds(p);
-    if (distance < first_distance) {
-      first = i;
-      first_distance = distance;
-    }
-  }
-  return first;
-}
-
 ClosestHit closest_of(std::span<const DetailSurface> surfaces, const Sample& sample, Work& work) {
   ClosestHit best;
   best.distance = std::numeric_limits<double>::infinity();
@@ -124,10 +111,13 @@ void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> 
              std::span<const std::uint16_t> looks, Sums& sums) {
   std::vector<ClosestHit> hits(samples.size());
   std::vector<double> appearance(samples.size(), 0.0);
-  std::vector<std::uint64_t> work_done((samples.size() + kBlock - 1) / kBlock);
-  std::vector<char> is_loose(work_done.size());
-  tbb::parallel_for(std::size_t{0}, work_done.size(), [&](std::size_t block) {
-    Work work{kBlockWork}, look_work{kBlockWork};
+  struct BlockWork {
+    std::uint64_t done = 0;
+    bool is_spent = false;
+  };
+  std::vector<BlockWork> blocks((samples.size() + kBlock - 1) / kBlock);
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
+    Work work{kBlockWork}, look_work{kBlockLookWork};
     double largest = 0;  // of this block: a sample that cannot exceed it needs no exact distance
     for (std::size_t i = block * kBlock; i < std::min(samples.size(), (block + 1) * kBlock); ++i) {
       hits[i] = closest_of(surfaces, samples[i], work);
@@ -141,12 +131,11 @@ void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> 
       if (!std::isfinite(appearance[i])) appearance[i] = hits[i].distance;
       largest = std::max(largest, appearance[i]);
     }
-    work_done[block] = work.done + look_work.done;
-    is_loose[block] = work.is_spent() || look_work.is_spent();
+    blocks[block] = {work.done + look_work.done, work.is_spent() || look_work.is_spent()};
   });
-  for (std::size_t block = 0; block < work_done.size(); ++block) {
-    sums.work += work_done[block];
-    sums.is_loose = sums.is_loose || is_loose[block] != 0;
+  for (const BlockWork& block : blocks) {
+    sums.work += block.done;
+    sums.is_loose = sums.is_loose || block.is_spent;
   }
   // Summed in order: the same result at any thread count.
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -162,6 +151,19 @@ void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> 
 }
 
 }  // namespace
+
+std::size_t nearest_box(std::span<const DetailSurface> surfaces, const glm::dvec3& p) {
+  std::size_t first = 0;
+  double first_distance = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < surfaces.size() && surfaces.size() > 1; ++i) {
+    const double distance = surfaces[i].bvh->distance_to_bounds(p);
+    if (distance < first_distance) {
+      first = i;
+      first_distance = distance;
+    }
+  }
+  return first;
+}
 
 double area_of(const LatticeMesh& mesh) {
   double area = 0;

@@ -46,6 +46,9 @@ struct DetailSurface {
   double moved = 0;  // no point of the mesh is farther from the source, nor one of the source from the mesh; steps
 };
 
+// Which of them has the nearest box to p: it usually settles all others.
+std::size_t nearest_box(std::span<const DetailSurface> surfaces, const glm::dvec3& p);
+
 // Class of each material: materials of one class are hard to tell apart.
 std::vector<std::uint16_t> look_classes(std::span<const Material> materials);
 

@@ -113,10 +113,7 @@ void halve(const Corners& piece, std::size_t side, std::vector<Corners>& pieces)
 
 Corners corners_of(const LatticeMesh& mesh, const LatticeFace& face) {
   Corners out;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const LatticePoint& p = mesh.vertices[face.v[i]];
-    out[i] = {p[0], p[1], p[2]};
-  }
+  for (std::size_t i = 0; i < 3; ++i) out[i] = to_dvec(mesh.vertices[face.v[i]]);
   return out;
 }
 

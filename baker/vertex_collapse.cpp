@@ -169,10 +169,7 @@ class Reference {
     return wide_.closest_of_look(p, 0, 2 * tolerance_, 0, &work_) <= tolerance_;
   }
   [[nodiscard]] std::uint16_t look(Face f) const { return looks_[mesh_.faces[f].material]; }
-  [[nodiscard]] glm::dvec3 point(Vertex v) const {
-    const LatticePoint& p = mesh_.vertices[v];
-    return {p[0], p[1], p[2]};
-  }
+  [[nodiscard]] glm::dvec3 point(Vertex v) const { return to_dvec(mesh_.vertices[v]); }
 
  private:
   Work& work_;

@@ -23,7 +23,7 @@ struct ConnectionTimes {
   int write_ms = 10'000;    // until the client takes more
 };
 
-enum class ServerState { kServing, kLastRequests, kEnded };
+enum class ServerState { kServing, kStopping, kEnded };
 
 class ClientConnection final : public httplib::Stream {
  public:

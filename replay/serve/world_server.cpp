@@ -204,7 +204,7 @@ class WorldServer::Impl final : public httplib::Server {
 
   void stop() {
     ServerState serving = ServerState::kServing;
-    state_.compare_exchange_strong(serving, ServerState::kLastRequests);
+    state_.compare_exchange_strong(serving, ServerState::kStopping);
     state_.notify_all();
   }
 

@@ -631,7 +631,7 @@ TEST_F(AdversarialBake, WorkGrowsAsTheInputDoes) {
       maker.triangle({i * 0.01, 0, 0}, {(i + 1) * 0.01, 0, 0}, {count * 0.005, 100, 0}, 0);
   };
   constexpr double kGrowth = 2.5;
-  constexpr double kWorkPerTriangle = 40'000;
+  constexpr double kWorkPerTriangle = 30'000;
   struct Shape {
     std::function<void(SceneMaker&, int)> make;
     bool reaches_bound;  // at these sizes
