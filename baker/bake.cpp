@@ -17,15 +17,15 @@
 #include <set>
 #include <thread>
 
-#include "baker/appearance/zone_looks.h"
+#include "baker/appearance/zone_appearance.h"
 #include "baker/bvh/build_page.h"
-#include "baker/cut.h"
-#include "baker/encode.h"
-#include "baker/exterior.h"
+#include "baker/cut/cut.h"
+#include "baker/exterior/exterior.h"
 #include "baker/light/city_light.h"
-#include "baker/proxy_tree.h"
-#include "baker/snap.h"
-#include "baker/tileset.h"
+#include "baker/proxy/proxy_tree.h"
+#include "baker/repair/snap.h"
+#include "baker/write/encode.h"
+#include "baker/write/tileset.h"
 #include "streamer/world_format/bvh_page.h"
 
 namespace zc {

@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "baker/bvh/build_wide.h"
-#include "baker/disk_parts.h"
-#include "baker/left_out.h"
-#include "baker/repair.h"
-#include "baker/scene.h"
-#include "baker/world_writer.h"
+#include "baker/proxy/left_out.h"
+#include "baker/repair/repair.h"
+#include "baker/scene/scene.h"
+#include "baker/write/disk_parts.h"
+#include "baker/write/world_writer.h"
 #include "base/result.h"
 #include "streamer/world_format/sun_angles.h"
 #include "streamer/world_format/world_index.h"

@@ -13,9 +13,9 @@
 #include <span>
 #include <vector>
 
-#include "runtime/pipelines.h"
+#include "runtime/device/pipelines.h"
+#include "runtime/scene/zone_set.h"
 #include "runtime/trace_variant.h"
-#include "runtime/zone_set.h"
 #include "shaders/shared/page.h"
 
 namespace zc {
@@ -41,7 +41,7 @@ struct RendererOptions {
   ReflectionMode reflections = ReflectionMode::kScreenAndProxy;
   float sun_azimuth_deg = 145;  // clockwise from north (+y)
   float sun_elevation_deg = 38;
-  bool sun_is_baked = false;  // the pages say for this sun what is lit and what is not
+  bool sun_is_baked = false;    // the pages say for this sun what is lit and what is not
   float roughness_cut = 0.35F;  // rougher surfaces do not mirror
   std::uint32_t screen_steps = 256;
   std::uint32_t page_depth = gpu::kPageMaxDepth;  // deepest page that will be traced

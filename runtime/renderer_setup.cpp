@@ -4,8 +4,8 @@
 #include <array>
 #include <string>
 
+#include "runtime/device/shader_code.h"
 #include "runtime/renderer.h"
-#include "runtime/shader_code.h"
 
 namespace zc {
 namespace {

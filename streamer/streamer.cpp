@@ -10,19 +10,19 @@
 #include <utility>
 
 #include "base/check.h"
-#include "streamer/event_log.h"
-#include "streamer/index_file.h"
-#include "streamer/latency_samples.h"
-#include "streamer/ledger.h"
-#include "streamer/load_workers.h"
-#include "streamer/memory_plan.h"
-#include "streamer/page_loader.h"
-#include "streamer/page_pool.h"
-#include "streamer/pager_state.h"
-#include "streamer/prefetch_account.h"
-#include "streamer/retry.h"
-#include "streamer/teleports.h"
-#include "streamer/zeroed_array.h"
+#include "streamer/paging/ledger.h"
+#include "streamer/paging/load_workers.h"
+#include "streamer/paging/memory_plan.h"
+#include "streamer/paging/page_loader.h"
+#include "streamer/paging/page_pool.h"
+#include "streamer/paging/pager_state.h"
+#include "streamer/paging/zeroed_array.h"
+#include "streamer/source/index_file.h"
+#include "streamer/source/retry.h"
+#include "streamer/statistics/camera_cuts.h"
+#include "streamer/statistics/event_log.h"
+#include "streamer/statistics/latency_samples.h"
+#include "streamer/statistics/prefetch_account.h"
 
 namespace zc {
 namespace {

@@ -18,44 +18,19 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 
 #include "base/result.h"
 #include "streamer/page_sink.h"
-#include "streamer/paging_observer.h"
-#include "streamer/selection.h"
-#include "streamer/source.h"
-#include "streamer/statistics.h"
+#include "streamer/paging/selection.h"
+#include "streamer/paging/streamer_options.h"
+#include "streamer/source/source.h"
+#include "streamer/statistics/paging_observer.h"
+#include "streamer/statistics/statistics.h"
 #include "streamer/world_format/world_index.h"
 
 namespace zc {
-
-enum class ClockKind { kVirtual, kWall };
-
-struct StreamerOptions {
-  std::uint64_t cap_bytes = 0;
-  std::uint64_t pool_limit_bytes = 128ULL << 20U;  // the largest storage buffer the renderer can bind
-  unsigned threads = 2;                            // workers, at least 1
-  ClockKind clock = ClockKind::kVirtual;
-  double source_latency_s = 0;                        // virtual clock only
-  double source_bandwidth_bytes_per_s = 0;            // virtual clock only; 0 is unlimited
-  double tolerance = 0.002;                           // a node is refined when error_m / distance_m exceeds it
-  bool include_detail = false;                        // also page full-detail nodes (the host's G-buffer, references)
-  bool settle = false;                                // advance() waits for every selected load (offline capture)
-  unsigned max_in_flight = 16;                        // requests outstanding, independent of threads
-  std::uint64_t upload_bytes_per_frame = 0;           // of pages, at least one page a frame; 0 is unlimited
-  std::function<void(const Error&)> on_failure = {};  // once per node, on the calling thread
-};
-
-// What an index may take of the memory before it is known whether the cap holds it: what no cap of this size holds is
-// not read, however long a server goes on; a small one is, to name the cap that works.
-[[nodiscard]] std::uint64_t index_limit_bytes(std::uint64_t cap_bytes);
-
-// The smallest cap under which a world opens: index, node state, the root's page and what loading it takes.
-// source_bytes: held_bytes() of the source that it is read from.
-[[nodiscard]] std::uint64_t smallest_cap_bytes(const WorldIndex& index, std::uint64_t source_bytes = 0);
 
 class Streamer {
  public:

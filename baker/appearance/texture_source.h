@@ -9,8 +9,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "baker/lattice_mesh.h"
-#include "baker/scene.h"
+#include "baker/scene/lattice_mesh.h"
+#include "baker/scene/scene.h"
 
 namespace zc {
 

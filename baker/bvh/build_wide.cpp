@@ -72,7 +72,8 @@ class Cheapest {
   void consider(WideTree&& tree) {
     const double bytes = estimated_page_bytes(tree) / static_cast<double>(triangles_.size());
     double score = simulated_cost(tree, triangles_, rays_) * (1 + options_.byte_weight * bytes);
-    if (bytes > options_.bytes_per_triangle_max) score *= 1e3 * bytes;  // behind all that stay within; then the smallest
+    if (bytes > options_.bytes_per_triangle_max)
+      score *= 1e3 * bytes;  // behind all that stay within; then the smallest
     if (tree.depth > options_.depth_preferred) score *= 1e6 * tree.depth;
     if (score >= best_score_) return;
     best_score_ = score;

@@ -75,7 +75,8 @@ class Collapse {
     best.left_roots[0] = 0;
     for (std::uint32_t roots = 2; roots <= kRootsMost; ++roots) {
       std::uint8_t left_roots = 0;
-      const float cost = roots < options_.width ? distribute(roots, left_roots) : std::numeric_limits<float>::infinity();
+      const float cost =
+          roots < options_.width ? distribute(roots, left_roots) : std::numeric_limits<float>::infinity();
       best.cost[roots - 1] = std::min(cost, best.cost[roots - 2]);
       best.left_roots[roots - 1] = cost < best.cost[roots - 2] ? left_roots : std::uint8_t{0};
     }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Collapses a binary BVH to nodes of at most eight children at least expected cost, choosing the leaves' sizes as well.
-// Source: Ylitie, Karras & Laine 2017, "Efficient incoherent ray traversal on GPUs through compressed wide BVHs", section
-// 3.2 (the dynamic programme) and 3.1 (slots by octant).
-// Deterministic. Thread-safe: no state.
+// Source: Ylitie, Karras & Laine 2017, "Efficient incoherent ray traversal on GPUs through compressed wide BVHs",
+// section 3.2 (the dynamic programme) and 3.1 (slots by octant). Deterministic. Thread-safe: no state.
 #pragma once
 
 #include <array>
@@ -15,12 +14,12 @@
 namespace zc {
 
 struct CollapseOptions {
-  std::uint32_t width = gpu::kNodeWidth;  // 2 to 8
+  std::uint32_t width = gpu::kNodeWidth;                  // 2 to 8
   std::uint32_t leaf_triangles = gpu::kLeafMaxTriangles;  // most of one leaf
-  float node_cost = 1.0F;                 // of visiting a node, against …
-  float triangle_cost = 0.4F;             // … testing a triangle
-  float node_place_cost = 1;              // of a node's bytes: in visits of the root, per reference
-  bool by_levels = false;                 // three binary levels a node, whatever it costs: bounds the depth
+  float node_cost = 1.0F;                                 // of visiting a node, against …
+  float triangle_cost = 0.4F;                             // … testing a triangle
+  float node_place_cost = 1;                              // of a node's bytes: in visits of the root, per reference
+  bool by_levels = false;  // three binary levels a node, whatever it costs: bounds the depth
 };
 
 struct WideChild {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Dividing references into two groups, each reference into one of them, by the surface area heuristic: binned (Wald 2007,
-// "On fast construction of SAH-based bounding volume hierarchies") where there are many, every division where there are
-// few. Costs are half areas times references.
-// Deterministic. Thread-safe: no state.
+// Dividing references into two groups, each reference into one of them, by the surface area heuristic: binned (Wald
+// 2007, "On fast construction of SAH-based bounding volume hierarchies") where there are many, every division where
+// there are few. Costs are half areas times references. Deterministic. Thread-safe: no state.
 #pragma once
 
 #include <array>

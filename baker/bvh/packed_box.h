@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A BvhBox or BvhReference as eight 16-bit lanes in which growing is one instruction: all signed, the lower bounds
-// inverted, so that both kinds of bound grow by a maximum. Packing loses nothing; a reference keeps its triangle in the two
-// lanes that are left, which mean nothing once boxes are joined.
-// Uses the vector types that GCC and Clang have on every processor. Thread-safe: plain values.
+// inverted, so that both kinds of bound grow by a maximum. Packing loses nothing; a reference keeps its triangle in the
+// two lanes that are left, which mean nothing once boxes are joined. Uses the vector types that GCC and Clang have on
+// every processor. Thread-safe: plain values.
 #pragma once
 
 #include <array>
@@ -25,8 +25,8 @@ class PackedBox {
     lanes_ = __builtin_shufflevector(lanes, lanes, 0, 1, 2, 6, 3, 4, 5, 7) ^ kFlip;
   }
   explicit PackedBox(const BvhBox& box) : PackedBox(BvhReference{box, 0}) {}
-  // Around a point of 16 bits a coordinate, x lowest. Put together in a register: a box that is written to memory in parts
-  // is waited for when it is read as a whole.
+  // Around a point of 16 bits a coordinate, x lowest. Put together in a register: a box that is written to memory in
+  // parts is waited for when it is read as a whole.
   static PackedBox around(std::uint64_t p) {
     PackedBox box;
     box.lanes_ = std::bit_cast<Lanes>(std::array<std::uint64_t, 2>{p, p}) ^ kFlip;
@@ -40,7 +40,9 @@ class PackedBox {
   void clip(const PackedBox& b) { lanes_ = lanes_ < b.lanes_ ? lanes_ : b.lanes_; }
 
   [[nodiscard]] std::uint32_t min(std::size_t axis) const { return static_cast<std::uint32_t>(32767 - lanes_[axis]); }
-  [[nodiscard]] std::uint32_t max(std::size_t axis) const { return static_cast<std::uint32_t>(32768 + lanes_[axis + 4]); }
+  [[nodiscard]] std::uint32_t max(std::size_t axis) const {
+    return static_cast<std::uint32_t>(32768 + lanes_[axis + 4]);
+  }
   [[nodiscard]] std::uint32_t center(std::size_t axis) const { return min(axis) + max(axis); }  // doubled
   [[nodiscard]] Float4 centers() const {  // likewise, exact; the last lane means nothing
     const auto halves = std::bit_cast<std::array<Lanes4, 2>>(lanes_);

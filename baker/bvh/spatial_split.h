@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Dividing references by a plane that cuts those it meets: binned spatial splits.
 // Everything is exact or rounded outwards to the lattice: a piece's box contains all of the triangle that lies in the
-// piece. Quotients are taken in doubles: numerators and denominators are integers below 2^33, so that a quotient that is
-// no integer differs from every integer by more than its rounding error, and floor and ceiling come out exactly.
+// piece. Quotients are taken in doubles: numerators and denominators are integers below 2^33, so that a quotient that
+// is no integer differs from every integer by more than its rounding error, and floor and ceiling come out exactly.
 // Source: Stich, Friedrich & Dietrich 2009, "Spatial splits in bounding volume hierarchies", sections 3.2 and 4.
 // Deterministic. Thread-safe: no state.
 #pragma once
@@ -29,7 +29,8 @@ struct SpatialSplit {
 };
 
 // The best plane among a few across the widest axis of `box`, which bounds the references; its cost is greatest where
-// there is none. (With planes across all axes rays cost less by less than one part in a hundred, building twice as much.)
+// there is none. (With planes across all axes rays cost less by less than one part in a hundred, building twice as
+// much.)
 SpatialSplit find_spatial_split(std::span<const PackedBox> references, const PackedBox& box,
                                 std::span<const BvhTriangle> triangles);
 

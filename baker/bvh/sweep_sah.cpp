@@ -26,8 +26,7 @@ void SweepBuilder::grow(BinaryTree& tree, std::uint32_t node, std::span<const Pa
 void SweepBuilder::sort(std::span<const PackedBox> references) {
   keys_.resize(references.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < references.size(); ++i)
-      keys_[i] = std::uint64_t{references[i].center(axis)} << 32U | i;
+    for (std::size_t i = 0; i < references.size(); ++i) keys_[i] = std::uint64_t{references[i].center(axis)} << 32U | i;
     std::ranges::sort(keys_);
     order_[axis].resize(references.size());
     for (std::size_t i = 0; i < references.size(); ++i) order_[axis][i] = static_cast<std::uint32_t>(keys_[i]);

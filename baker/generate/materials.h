@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "baker/scene.h"
+#include "baker/scene/scene.h"
 
 namespace zc::generate {
 

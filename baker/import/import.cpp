@@ -10,15 +10,15 @@
 #include <string>
 #include <string_view>
 
-#include "baker/import/citygml_import.h"
-#include "baker/import/cityjson_import.h"
-#include "baker/import/earth_frame.h"
-#include "baker/import/gltf_import.h"
-#include "baker/import/json_text.h"
-#include "baker/import/scene_builder.h"
-#include "baker/import/texture_images.h"
-#include "baker/import/tileset_import.h"
-#include "baker/import/uri.h"
+#include "baker/import/citygml/citygml_import.h"
+#include "baker/import/cityjson/cityjson_import.h"
+#include "baker/import/gltf/gltf_import.h"
+#include "baker/import/shared/earth_frame.h"
+#include "baker/import/shared/json_text.h"
+#include "baker/import/shared/scene_builder.h"
+#include "baker/import/shared/texture_images.h"
+#include "baker/import/shared/uri.h"
+#include "baker/import/tiles/tileset_import.h"
 #include "base/file.h"
 
 namespace zc {

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <span>
 
-#include "baker/scene.h"
+#include "baker/scene/scene.h"
 #include "base/result.h"
 
 namespace zc {

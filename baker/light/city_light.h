@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "baker/bake_cache.h"
 #include "baker/light/zone_light.h"
+#include "baker/scene/bake_cache.h"
 
 namespace zc {
 

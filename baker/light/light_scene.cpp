@@ -12,8 +12,8 @@
 #include <string>
 #include <utility>
 
+#include "baker/distance/triangle_pieces.h"
 #include "baker/light/light_threads.h"
-#include "baker/triangle_pieces.h"
 
 namespace zc {
 namespace {

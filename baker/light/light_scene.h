@@ -13,8 +13,8 @@
 #include <span>
 #include <vector>
 
-#include "baker/lattice_mesh.h"
-#include "baker/scene.h"
+#include "baker/scene/lattice_mesh.h"
+#include "baker/scene/scene.h"
 #include "base/result.h"
 #include "streamer/world_format/bvh_page.h"
 

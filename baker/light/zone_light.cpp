@@ -12,7 +12,7 @@
 #include <tuple>
 #include <utility>
 
-#include "baker/light/quiet_light.h"
+#include "baker/light/quantise_light.h"
 
 namespace zc {
 namespace {

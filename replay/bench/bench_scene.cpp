@@ -11,9 +11,10 @@
 
 #include "base/check.h"
 #include "base/file.h"
-#include "streamer/index_file.h"
-#include "streamer/page_loader.h"
-#include "streamer/source.h"
+#include "streamer/open_source.h"
+#include "streamer/paging/page_loader.h"
+#include "streamer/source/index_file.h"
+#include "streamer/source/source.h"
 #include "streamer/world_format/page_view.h"
 
 namespace zc::bench {

@@ -15,10 +15,10 @@
 #include <vector>
 
 #include "base/result.h"
+#include "replay/bench/engines/trace_engine.h"
 #include "replay/bench/oracle.h"
-#include "replay/bench/trace_engine.h"
-#include "replay/camera_path.h"
-#include "streamer/source.h"
+#include "replay/session/camera_path.h"
+#include "streamer/source/source.h"
 
 namespace zc::bench {
 

@@ -5,10 +5,10 @@
 #include <ctime>
 #include <optional>
 
-#include "replay/bench/engine_names.h"
-#include "replay/bench/parallel_chunks.h"
+#include "replay/bench/engines/engine_names.h"
+#include "replay/bench/engines/parallel_chunks.h"
+#include "replay/bench/engines/stopwatch.h"
 #include "replay/bench/print_figures.h"
-#include "replay/bench/stopwatch.h"
 
 namespace zc::bench {
 namespace {

@@ -7,9 +7,9 @@
 #include <span>
 #include <utility>
 
-#include "replay/bench/gpu_engine.h"
-#include "replay/bench/stopwatch.h"
-#include "runtime/shader_code.h"
+#include "replay/bench/engines/gpu_engine.h"
+#include "replay/bench/engines/stopwatch.h"
+#include "runtime/device/shader_code.h"
 
 namespace zc::bench {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <memory>
 
-#include "runtime/compute_kernel.h"
+#include "runtime/device/compute_kernel.h"
 
 namespace zc::bench {
 

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <utility>
 
-#include "replay/bench/parallel_chunks.h"
+#include "replay/bench/engines/parallel_chunks.h"
 
 namespace zc::bench {
 namespace {

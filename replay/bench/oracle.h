@@ -7,12 +7,14 @@
 //
 // A report is right when it lies within the float rounding bound of a closest hit. The bound is a length,
 //   e = kRoundings * 2^-24 * R,    R = distance of the reported triangle's farthest corner from the ray's origin,
-// because a float test subtracts the origin from the corners (one rounding of at most 2^-24 R), shears them (a division,
-// a product and a difference: with the 2.5 ulp that Vulkan grants a division, nine more), and compares products of them
-// (one more), in each of two directions: the test is the exact test of a triangle moved by less than e. So
+// because a float test subtracts the origin from the corners (one rounding of at most 2^-24 R), shears them (a
+// division, a product and a difference: with the 2.5 ulp that Vulkan grants a division, nine more), and compares
+// products of them (one more), in each of two directions: the test is the exact test of a triangle moved by less than
+// e. So
 //   - the reported point o + t d must lie within e of the reported triangle. A shift of e in space moves t by e divided
 //     by the cosine of incidence: the test on the point grants just that;
-//   - no triangle may be met for certain nearer than the ray comes within 2 e of the reported one. A hit is certain when
+//   - no triangle may be met for certain nearer than the ray comes within 2 e of the reported one. A hit is certain
+//   when
 //     the ray, and all of a ring of rays around it at distance 2 e, meet something that near: within rounding of a
 //     silhouette one of the ring passes the edge by, while along an edge that two triangles share all of them are
 //     stopped, so that a leak through a closed surface is a mismatch. Surfaces within 2 e of the ray's origin do not
@@ -27,7 +29,7 @@
 #include <span>
 #include <vector>
 
-#include "replay/bench/trace_engine.h"
+#include "replay/bench/engines/trace_engine.h"
 
 namespace zc::bench {
 

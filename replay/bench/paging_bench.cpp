@@ -5,14 +5,15 @@
 #include <cmath>
 #include <random>
 
+#include "replay/bench/engines/stopwatch.h"
 #include "replay/bench/print_figures.h"
-#include "replay/bench/stopwatch.h"
-#include "replay/world_tour.h"
-#include "streamer/cover.h"
-#include "streamer/index_file.h"
-#include "streamer/memory_plan.h"
-#include "streamer/selection.h"
-#include "streamer/source.h"
+#include "replay/session/world_tour.h"
+#include "streamer/open_source.h"
+#include "streamer/paging/memory_plan.h"
+#include "streamer/paging/rendered_cut.h"
+#include "streamer/paging/selection.h"
+#include "streamer/source/index_file.h"
+#include "streamer/source/source.h"
 
 namespace zc::bench {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "streamer/source.h"
+#include "streamer/source/source.h"
 #include "streamer/world_format/world_index.h"
 
 namespace zc::bench {

@@ -10,12 +10,13 @@
 #include <utility>
 
 #include "base/check.h"
+#include "replay/bench/engines/stopwatch.h"
 #include "replay/bench/print_figures.h"
-#include "replay/bench/stopwatch.h"
-#include "runtime/zone_set.h"
+#include "runtime/scene/zone_set.h"
 #include "shaders/shared/page_node.h"
-#include "streamer/index_file.h"
-#include "streamer/page_loader.h"
+#include "streamer/open_source.h"
+#include "streamer/paging/page_loader.h"
+#include "streamer/source/index_file.h"
 #include "streamer/world_format/page_view.h"
 
 namespace zc::bench {

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "base/result.h"
-#include "runtime/top_level.h"
-#include "streamer/source.h"
+#include "runtime/scene/top_level.h"
+#include "streamer/source/source.h"
 
 namespace zc::bench {
 

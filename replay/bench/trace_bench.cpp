@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "replay/bench/clock_warmer.h"
-#include "replay/bench/engine_names.h"
-#include "replay/bench/engines.h"
-#include "replay/bench/gpu_engine.h"
+#include "replay/bench/engines/engine_names.h"
+#include "replay/bench/engines/engines.h"
+#include "replay/bench/engines/gpu_engine.h"
 #include "replay/bench/print_figures.h"
 
 namespace zc::bench {

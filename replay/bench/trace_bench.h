@@ -13,9 +13,9 @@
 #include <string_view>
 #include <vector>
 
+#include "replay/bench/engines/trace_engine.h"
+#include "replay/bench/engines/zonecast_engine.h"
 #include "replay/bench/oracle.h"
-#include "replay/bench/trace_engine.h"
-#include "replay/bench/zonecast_engine.h"
 
 namespace zc::bench {
 

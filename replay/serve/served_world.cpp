@@ -12,8 +12,9 @@
 #include <utility>
 
 #include "base/text.h"
-#include "streamer/index_file.h"
-#include "streamer/source.h"
+#include "streamer/open_source.h"
+#include "streamer/source/index_file.h"
+#include "streamer/source/source.h"
 
 namespace zc {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Single rays over the nodes of packets: child by child.
-#include "plain_children.glsl"
+#include "bench/plain_children.glsl"
 
 uint plain_hit_children(uint node, vec3 origin, vec3 reciprocal, bvec3 backward, float t_min, float t_max,
                         out NodeRefs refs) {

@@ -2,10 +2,10 @@
 // resolve_hits.comp.glsl over the uncompressed layout: triangles are numbered through.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "bindings.glsl"
+#include "passes/bindings.glsl"
 
 layout(local_size_x = 64) in;
-#include "list_index.glsl"
+#include "traverse/list_index.glsl"
 
 void main() {
   const uint i = list_index();

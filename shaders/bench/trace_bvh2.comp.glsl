@@ -3,8 +3,8 @@
 // 48 bytes a triangle: three corners, the index in the first one's fourth component.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "bench_rays.glsl"
-#include "float_tests.glsl"
+#include "bench/bench_rays.glsl"
+#include "bench/float_tests.glsl"
 
 layout(constant_id = 1) const int kStackSize = 64;  // at least the tree's depth
 

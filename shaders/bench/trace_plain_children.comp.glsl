@@ -2,14 +2,14 @@
 // trace_rays.comp.glsl over the uncompressed layout, nodes by child.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "bindings.glsl"
-#include "trace.glsl"
-#include "ray_queue.glsl"
+#include "passes/bindings.glsl"
+#include "traverse/trace.glsl"
+#include "traverse/ray_queue.glsl"
 layout(local_size_x = 64, local_size_x_id = 7) in;
 #include "bench/plain_children_ray.glsl"
-#include "traverse.glsl"
+#include "traverse/traverse.glsl"
 
-#include "list_index.glsl"
+#include "traverse/list_index.glsl"
 
 void main() {
   uint index;

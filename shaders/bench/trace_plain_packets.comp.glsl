@@ -2,17 +2,17 @@
 // trace_packets.comp.glsl over the uncompressed layout.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "bindings.glsl"
-#include "trace.glsl"
-#include "team.glsl"
-#include "beam.glsl"
-#include "ray_queue.glsl"
+#include "passes/bindings.glsl"
+#include "traverse/trace.glsl"
+#include "packets/lane_group.glsl"
+#include "packets/frustum.glsl"
+#include "traverse/ray_queue.glsl"
 const uint kStackPairs = (uint(kStackSize) + kTeam - 1u) / kTeam;  // of registers a lane
-#include "bench/plain_children_team.glsl"
-#include "traverse_packet.glsl"
+#include "bench/plain_children_group.glsl"
+#include "packets/traverse_packet.glsl"
 
 layout(local_size_x = 64, local_size_x_id = 7) in;
-#include "packet_index.glsl"
+#include "packets/packet_index.glsl"
 
 void main() {
   begin_team();

@@ -3,7 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_ray_query : require
-#include "bench_rays.glsl"
+#include "bench/bench_rays.glsl"
 
 layout(set = 0, binding = 2) uniform accelerationStructureEXT scene;
 

@@ -4,8 +4,8 @@
 // normal and UV: here three corners in floats and the triangle's index.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "bench_rays.glsl"
-#include "float_tests.glsl"
+#include "bench/bench_rays.glsl"
+#include "bench/float_tests.glsl"
 
 struct ThesisNode {
   uvec4 min_skip;  // skip: the node after this one's subtree

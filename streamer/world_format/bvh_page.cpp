@@ -8,12 +8,12 @@
 #include <memory>
 
 #include "base/check.h"
+#include "streamer/world_format/coding/appearance_code.h"
+#include "streamer/world_format/coding/range_coder.h"
+#include "streamer/world_format/coding/tree_code.h"
 #include "streamer/world_format/leaf_boxes.h"
-#include "streamer/world_format/look_code.h"
 #include "streamer/world_format/page_view.h"
-#include "streamer/world_format/range_coder.h"
 #include "streamer/world_format/scratch_memory.h"
-#include "streamer/world_format/tree_code.h"
 
 namespace zc {
 namespace {

@@ -9,9 +9,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "streamer/draco/draco_layout.h"
+#include "streamer/draco/draco_mesh.h"
 #include "streamer/world_format/bvh_page.h"
-#include "streamer/world_format/draco_layout.h"
-#include "streamer/world_format/draco_mesh.h"
 #include "streamer/world_format/scratch_memory.h"
 
 namespace zc {

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "baker/bake.h"
-#include "streamer/page_loader.h"
-#include "streamer/source.h"
+#include "streamer/paging/page_loader.h"
+#include "streamer/source/source.h"
 #include "streamer/world_format/bvh_page.h"
 #include "tests/unit/baker/test_city.h"
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "runtime/renderer.h"
-#include "runtime/zone_set.h"
+#include "runtime/scene/zone_set.h"
 #include "streamer/world_format/page_view.h"
 
 namespace zc::test {

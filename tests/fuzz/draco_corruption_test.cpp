@@ -8,8 +8,8 @@
 #include <optional>
 #include <random>
 
+#include "streamer/draco/draco_mesh.h"
 #include "streamer/world_format/bvh_page.h"
-#include "streamer/world_format/draco_mesh.h"
 #include "tests/unit/counted_memory.h"
 #include "tests/unit/streamer/draco_meshes.h"
 #include "tests/unit/streamer/tiny_world.h"

@@ -13,6 +13,8 @@
 
 #include "base/file.h"
 #include "shaders/shared/page_node.h"
+#include "streamer/paging/heap_page_sink.h"
+#include "streamer/paging/memory_plan.h"
 #include "streamer/streamer.h"
 #include "streamer/world_format/bvh_page.h"
 #include "streamer/world_format/page_view.h"

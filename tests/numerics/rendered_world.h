@@ -12,7 +12,7 @@
 #include <string>
 
 #include "baker/bake.h"
-#include "replay/zone_table.h"
+#include "replay/session/zone_table.h"
 
 namespace zc::test {
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <random>
 
-#include "streamer/page_loader.h"
+#include "streamer/paging/page_loader.h"
 #include "streamer/world_format/page_view.h"
 #include "tests/numerics/rendered_world.h"
 #include "tests/unit/baker/test_city.h"

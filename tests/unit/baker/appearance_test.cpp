@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "baker/appearance/zone_looks.h"
+#include "baker/appearance/zone_appearance.h"
 #include "streamer/world_format/page_view.h"
 
 namespace zc {

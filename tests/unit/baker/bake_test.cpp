@@ -11,7 +11,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "baker/bake_cache.h"
+#include "baker/scene/bake_cache.h"
 #include "base/file.h"
 #include "streamer/world_format/bvh_page.h"
 #include "tests/unit/baker/test_city.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/cut.h"
+#include "baker/cut/cut.h"
 
 #include <gtest/gtest.h>
 

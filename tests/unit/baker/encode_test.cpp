@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/encode.h"
+#include "baker/write/encode.h"
 
 #include <draco/compression/decode.h>
 #include <draco/mesh/mesh.h>
@@ -9,7 +9,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "baker/snap.h"
+#include "baker/repair/snap.h"
 #include "streamer/world_format/bvh_page.h"
 #include "tests/unit/baker/test_city.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/exterior.h"
+#include "baker/exterior/exterior.h"
 
 #include <gtest/gtest.h>
 

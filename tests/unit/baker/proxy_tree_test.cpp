@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/proxy_tree.h"
+#include "baker/proxy/proxy_tree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/repair.h"
+#include "baker/repair/repair.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -8,8 +8,8 @@
 #include <map>
 #include <set>
 
-#include "baker/face_edges.h"
-#include "baker/lattice_distance.h"
+#include "baker/distance/lattice_distance.h"
+#include "baker/repair/face_edges.h"
 #include "tests/unit/baker/test_city.h"
 
 namespace zc {

@@ -7,13 +7,13 @@
 #include <map>
 #include <set>
 
-#include "baker/components.h"
-#include "baker/decimate.h"
-#include "baker/manifold_fans.h"
-#include "baker/measure.h"
-#include "baker/simplify.h"
-#include "baker/triangle_cover.h"
-#include "baker/vertex_collapse.h"
+#include "baker/distance/hausdorff_bound.h"
+#include "baker/distance/measure.h"
+#include "baker/proxy/components.h"
+#include "baker/proxy/decimate.h"
+#include "baker/proxy/simplify.h"
+#include "baker/proxy/vertex_collapse.h"
+#include "baker/repair/manifold_fans.h"
 #include "tests/unit/baker/test_city.h"
 
 namespace zc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/snap.h"
+#include "baker/repair/snap.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 #include <string>
 
-#include "baker/scene.h"
+#include "baker/scene/scene.h"
 
 namespace zc::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/world_writer.h"
+#include "baker/write/world_writer.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

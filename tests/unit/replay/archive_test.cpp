@@ -7,8 +7,9 @@
 #include <memory>
 
 #include "base/file.h"
-#include "replay/archive_writer.h"
-#include "streamer/archive_source.h"
+#include "replay/files/archive_writer.h"
+#include "streamer/open_source.h"
+#include "streamer/source/archive_source.h"
 
 namespace zc {
 namespace {

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "replay/bench/sah_tree.h"
+#include "replay/bench/engines/sah_tree.h"
 
 namespace zc::bench {
 namespace {
@@ -17,9 +17,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kStep = 0x1p-8F;
 
 // A wall of two triangles, 8 m × 8 m at x = 10, parted by the diagonal y = z; the third one 5 m behind it.
-const std::vector<BenchTriangle> kWall = {{{10, 0, 0, 10, 8, 0, 10, 8, 8}},
-                                          {{10, 0, 0, 10, 8, 8, 10, 0, 8}},
-                                          {{15, -50, -50, 15, 50, -50, 15, 0, 50}}};
+const std::vector<BenchTriangle> kWall = {
+    {{10, 0, 0, 10, 8, 0, 10, 8, 8}}, {{10, 0, 0, 10, 8, 8, 10, 0, 8}}, {{15, -50, -50, 15, 50, -50, 15, 0, 50}}};
 
 BenchRay towards(float y, float z) { return {0, y, z, 1, 0, 0}; }
 
@@ -157,14 +156,14 @@ TEST(BenchVerdict, WhetherAnythingIsHitTiesWithinRoundingOfASilhouetteOnly) {
 
 TEST(BenchVerdict, PlantedWrongHitsAreMismatches) {
   const BenchRay ray = towards(4, 1);
-  EXPECT_EQ(judge(kWall, ray, {15, 2}), Verdict::kMismatch);            // the surface behind
-  EXPECT_EQ(judge(kWall, ray, {10, 1}), Verdict::kMismatch);            // a triangle beside the ray
-  EXPECT_EQ(judge(kWall, ray, {10 + kStep, 0}), Verdict::kMismatch);    // another distance
-  EXPECT_EQ(judge(kWall, ray, {0, 0}), Verdict::kMismatch);             // what an unwritten hit looks like
+  EXPECT_EQ(judge(kWall, ray, {15, 2}), Verdict::kMismatch);          // the surface behind
+  EXPECT_EQ(judge(kWall, ray, {10, 1}), Verdict::kMismatch);          // a triangle beside the ray
+  EXPECT_EQ(judge(kWall, ray, {10 + kStep, 0}), Verdict::kMismatch);  // another distance
+  EXPECT_EQ(judge(kWall, ray, {0, 0}), Verdict::kMismatch);           // what an unwritten hit looks like
   EXPECT_EQ(judge(kWall, ray, {kInfinity, kMiss}), Verdict::kMismatch);
   EXPECT_EQ(judge(kWall, ray, {kInfinity, 0}), Verdict::kMismatch);
   EXPECT_EQ(judge(kWall, ray, {std::nanf(""), 0}), Verdict::kMismatch);
-  EXPECT_EQ(judge(kWall, ray, {10, 3}), Verdict::kMismatch);            // no such triangle
+  EXPECT_EQ(judge(kWall, ray, {10, 3}), Verdict::kMismatch);                   // no such triangle
   EXPECT_EQ(judge(kWall, {20, 4, 1, 1, 0, 0}, {-10, 0}), Verdict::kMismatch);  // behind the ray
 }
 

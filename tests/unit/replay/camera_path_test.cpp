@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "replay/camera_path.h"
+#include "replay/session/camera_path.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "replay/compare_sheet.h"
+#include "replay/compare/compare_sheet.h"
 
 #include <gtest/gtest.h>
 
-#include "replay/drawing.h"
-#include "replay/flip.h"
+#include "replay/image/drawing.h"
+#include "replay/image/flip.h"
 
 namespace zc {
 namespace {

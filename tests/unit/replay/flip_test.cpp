@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Expected values: the authors' own evaluator, flip-evaluator 1.x on PyPI (BSD-3-Clause), on the same pictures.
-#include "replay/flip.h"
+#include "replay/image/flip.h"
 
 #include <gtest/gtest.h>
 

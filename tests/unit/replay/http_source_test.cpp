@@ -8,10 +8,13 @@
 #include <random>
 #include <thread>
 
-#include "replay/archive_writer.h"
+#include "replay/files/archive_writer.h"
 #include "replay/serve/world_server.h"
-#include "streamer/http/client.h"
-#include "streamer/page_loader.h"
+#include "streamer/open_source.h"
+#include "streamer/paging/heap_page_sink.h"
+#include "streamer/paging/memory_plan.h"
+#include "streamer/paging/page_loader.h"
+#include "streamer/source/http/client.h"
 #include "streamer/streamer.h"
 #include "tests/unit/streamer/tiny_world.h"
 

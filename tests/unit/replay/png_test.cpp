@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/file.h"
-#include "replay/png_file.h"
+#include "replay/image/png_file.h"
 
 namespace zc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "replay/units.h"
+#include "replay/session/units.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "replay/variant_cache.h"
+#include "replay/session/variant_cache.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 #include <span>
 
 #include "base/file.h"
-#include "replay/temporary_folder.h"
+#include "replay/files/temporary_folder.h"
 
 namespace zc {
 namespace {

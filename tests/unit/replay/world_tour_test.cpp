@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "replay/world_tour.h"
+#include "replay/session/world_tour.h"
 
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
 
-#include "replay/level_source.h"
-#include "streamer/index_file.h"
+#include "replay/compare/level_source.h"
+#include "streamer/paging/heap_page_sink.h"
+#include "streamer/source/index_file.h"
 #include "streamer/streamer.h"
 #include "tests/unit/streamer/tiny_world.h"
 

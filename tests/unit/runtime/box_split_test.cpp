@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/box_split.h"
+#include "runtime/scene/box_split.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-#include "runtime/shader_code.h"
+#include "runtime/device/shader_code.h"
 #include "shaders/shared/frame.h"
 #include "shaders/shared/scene.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/top_level.h"
+#include "runtime/scene/top_level.h"
 
 #include <gtest/gtest.h>
 

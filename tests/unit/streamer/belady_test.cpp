@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "streamer/belady.h"
+#include "streamer/statistics/belady.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "streamer/http/disk_cache.h"
+#include "streamer/source/http/disk_cache.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

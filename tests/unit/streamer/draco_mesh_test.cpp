@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // decode_draco against libdraco, bit by bit.
-#include "streamer/world_format/draco_mesh.h"
+#include "streamer/draco/draco_mesh.h"
 
 #include <gtest/gtest.h>
 

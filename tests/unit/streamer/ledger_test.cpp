@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "streamer/ledger.h"
+#include "streamer/paging/ledger.h"
 
 #include <gtest/gtest.h>
 

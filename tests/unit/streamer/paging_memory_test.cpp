@@ -12,6 +12,8 @@
 #include <random>
 #include <thread>
 
+#include "streamer/paging/heap_page_sink.h"
+#include "streamer/paging/memory_plan.h"
 #include "streamer/streamer.h"
 #include "tests/unit/counted_memory.h"
 #include "tests/unit/streamer/tiny_world.h"

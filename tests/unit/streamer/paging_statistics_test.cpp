@@ -6,12 +6,14 @@
 #include <cmath>
 #include <random>
 
-#include "streamer/latency_samples.h"
-#include "streamer/look_ahead.h"
-#include "streamer/page_loader.h"
-#include "streamer/page_pool.h"
+#include "streamer/paging/heap_page_sink.h"
+#include "streamer/paging/look_ahead.h"
+#include "streamer/paging/memory_plan.h"
+#include "streamer/paging/page_loader.h"
+#include "streamer/paging/page_pool.h"
+#include "streamer/statistics/camera_cuts.h"
+#include "streamer/statistics/latency_samples.h"
 #include "streamer/streamer.h"
-#include "streamer/teleports.h"
 #include "tests/unit/streamer/tiny_world.h"
 
 namespace zc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "streamer/pool_allocator.h"
+#include "streamer/paging/pool_allocator.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 #include <random>
 
 #include "streamer/page_sink.h"
+#include "streamer/paging/heap_page_sink.h"
 
 namespace zc {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "streamer/world_format/range_coder.h"
+#include "streamer/world_format/coding/range_coder.h"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 #include <functional>
 #include <random>
 
-#include "streamer/selection.h"
+#include "streamer/paging/selection.h"
 
 namespace zc {
 namespace {

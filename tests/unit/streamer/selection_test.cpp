@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "streamer/selection.h"
+#include "streamer/paging/selection.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 
-#include "streamer/cover.h"
+#include "streamer/paging/rendered_cut.h"
 
 namespace zc {
 namespace {

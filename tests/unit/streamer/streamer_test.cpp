@@ -7,7 +7,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "streamer/belady.h"
+#include "streamer/paging/heap_page_sink.h"
+#include "streamer/paging/memory_plan.h"
+#include "streamer/statistics/belady.h"
 #include "streamer/world_format/bvh_page.h"
 #include "tests/unit/streamer/tiny_world.h"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "streamer/source.h"
+#include "streamer/source/source.h"
 #include "streamer/world_format/bvh_page.h"
 #include "streamer/world_format/world_index.h"
 

@@ -6,7 +6,8 @@
 #include <random>
 
 #include "shaders/shared/page_node.h"
-#include "streamer/cover.h"
+#include "streamer/paging/memory_plan.h"
+#include "streamer/paging/rendered_cut.h"
 #include "streamer/streamer.h"
 #include "streamer/world_format/bvh_page.h"
 #include "streamer/world_format/page_view.h"

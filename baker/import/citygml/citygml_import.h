@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// CityGML 2.0 into the scene: every feature at its highest level of detail up to LoD3, with semantics, materials and
+// textures. Interiors (LoD4) are left out. Source: OGC 12-019.
+// Geographic reference systems get a local frame, z up. Untrusted input.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "baker/import/shared/earth_frame.h"
+#include "baker/import/shared/scene_builder.h"
+#include "baker/import/shared/texture_images.h"
+
+namespace zc {
+
+// earth: the frame of the inputs before, set by the first that needs one.
+Status import_citygml(std::vector<std::byte> bytes, const std::string& path, std::optional<EarthFrame>& earth,
+                      TextureImages& images, SceneBuilder& builder);
+
+}  // namespace zc

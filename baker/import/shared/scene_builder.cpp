@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/import/shared/scene_builder.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <unordered_map>
+
+#include "base/check.h"
+#include "base/text.h"
+
+namespace zc {
+namespace {
+
+constexpr std::size_t kMaxMaterials = 65'535;
+
+struct PositionHash {
+  std::size_t operator()(const glm::dvec3& p) const {
+    std::uint64_t hash = 0x9E3779B97F4A7C15ULL;
+    for (const double value : {p.x, p.y, p.z}) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 0xFF51AFD7ED558CCDULL;
+      hash ^= hash >> 32U;
+    }
+    return hash;
+  }
+};
+
+bool usable(const glm::dvec3& p) {
+  // Written so that NaN fails too.
+  return std::abs(p.x) <= kMaxCoordinateM && std::abs(p.y) <= kMaxCoordinateM && std::abs(p.z) <= kMaxCoordinateM;
+}
+
+// Whether the coordinates tell texels apart; false for NaN.
+bool usable(const TriangleTexcoords& texcoords) {
+  return std::all_of(texcoords.uv.begin(), texcoords.uv.end(), [](const glm::vec2& uv) {
+    return std::abs(uv.x) <= kMaxTexcoord && std::abs(uv.y) <= kMaxTexcoord;
+  });
+}
+
+// The EPSG code at the end of "urn:ogc:def:crs:EPSG::7415" or ".../EPSG/0/7415"; the whole text of any other name.
+std::string crs_key(const std::string& crs) {
+  if (crs.find("EPSG") == std::string::npos && crs.find("epsg") == std::string::npos) return crs;
+  const std::size_t last = crs.find_last_not_of("0123456789");
+  if (last == std::string::npos || last + 1 == crs.size()) return crs;
+  return "EPSG:" + crs.substr(last + 1);
+}
+
+}  // namespace
+
+std::uint16_t SceneBuilder::material(const Material& material) {
+  TextureKey texture{-1};
+  if (const auto& t = material.texture)
+    texture = {static_cast<float>(t->image),  // below 2^24: every image has texels
+               static_cast<float>(t->wrap_u),
+               static_cast<float>(t->wrap_v),
+               t->factor.x,
+               t->factor.y,
+               t->factor.z,
+               t->offset.x,
+               t->offset.y,
+               t->offset.z};
+  const MaterialKey key{material.name,
+                        material.base_color.x,
+                        material.base_color.y,
+                        material.base_color.z,
+                        material.roughness,
+                        material.metallic,
+                        texture};
+  if (const auto known = materials_.find(key); known != materials_.end()) return known->second;
+  if (scene_.materials.size() < kMaxMaterials) {
+    const auto index = static_cast<std::uint16_t>(scene_.materials.size());
+    scene_.materials.push_back(material);
+    materials_.emplace(key, index);
+    return index;
+  }
+  note("materials beyond 65535, replaced by the nearest");
+  const auto distance = [&](const Material& other) {
+    const glm::vec3 d = other.base_color - material.base_color;
+    const float r = other.roughness - material.roughness;
+    const float m = other.metallic - material.metallic;
+    return glm::dot(d, d) + r * r + m * m + (other.texture ? 100.0F : 0.0F);
+  };
+  const auto nearest = std::min_element(scene_.materials.begin(), scene_.materials.end(),
+                                        [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+  return static_cast<std::uint16_t>(nearest - scene_.materials.begin());
+}
+
+Status SceneBuilder::add(const ObjectMesh& mesh) {
+  ZC_CHECK(mesh.triangles.size() == mesh.materials.size());
+  enter_object(mesh.id);
+  const std::size_t first = scene_.triangles.size();
+  // Looked up only, never walked: the order of vertices is the order of first use.
+  std::unordered_map<glm::dvec3, std::uint32_t, PositionHash> welded;
+  welded.reserve(std::min(mesh.positions.size(), 3 * mesh.triangles.size()));
+  glm::dvec3 low(std::numeric_limits<double>::max());
+  glm::dvec3 high(std::numeric_limits<double>::lowest());
+  auto texcoords = mesh.texcoords.begin();
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    while (texcoords != mesh.texcoords.end() && texcoords->triangle < t) ++texcoords;
+    std::array<glm::dvec3, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      ZC_CHECK(mesh.triangles[t][k] < mesh.positions.size());
+      corners[k] = mesh.positions[mesh.triangles[t][k]] + 0.0;  // + 0.0 turns -0 into 0, so that both weld
+    }
+    if (!usable(corners[0]) || !usable(corners[1]) || !usable(corners[2])) {
+      note("triangles with coordinates that are not finite or out of range, dropped");
+      continue;
+    }
+    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) {
+      note("triangles with coinciding corners, dropped");
+      continue;
+    }
+    if (scene_.positions.size() >= std::numeric_limits<std::uint32_t>::max() - 3 ||
+        scene_.triangles.size() >= std::numeric_limits<std::uint32_t>::max() - 1)
+      return Error{ErrorCode::kUnsupported, "the scene has more than 2^32 vertices or triangles"};
+    std::array<std::uint32_t, 3> triangle{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [slot, is_new] = welded.try_emplace(corners[k], static_cast<std::uint32_t>(scene_.positions.size()));
+      if (is_new) scene_.positions.push_back(corners[k]);
+      triangle[k] = slot->second;
+      low = glm::min(low, corners[k]);
+      high = glm::max(high, corners[k]);
+    }
+    if (texcoords != mesh.texcoords.end() && texcoords->triangle == t && scene_.materials[mesh.materials[t]].texture) {
+      if (usable(*texcoords))
+        scene_.texcoords.push_back({static_cast<std::uint32_t>(scene_.triangles.size()), texcoords->uv});
+      else
+        note("triangles with texture coordinates that are not finite or beyond 2^24, mean colour used");
+    }
+    scene_.triangles.push_back(triangle);
+    scene_.triangle_material.push_back(mesh.materials[t]);
+  }
+  const std::size_t count = scene_.triangles.size() - first;
+  if (count == 0) return {};
+  const bool wide = high.x - low.x > kGroundExtentM || high.y - low.y > kGroundExtentM;
+  scene_.objects.push_back({mesh.id, wide ? ObjectKind::kGround : mesh.kind, static_cast<std::uint32_t>(first),
+                            static_cast<std::uint32_t>(count)});
+  return {};
+}
+
+void SceneBuilder::note(const std::string& what, std::uint64_t count) {
+  const auto [slot, is_new] = notes_.try_emplace(what, scene_.notes.size());
+  if (is_new) {
+    scene_.notes.push_back({what, 0});
+    if (!place_.file.empty())
+      scene_.notes.back().names = {place_.file + (place_.object.empty() ? "" : ": '" + place_.object + "'")};
+  }
+  scene_.notes[slot->second].count += count;
+}
+
+void SceneBuilder::note_files(const std::string& what, const std::vector<std::string>& names) {
+  if (!names.empty()) scene_.notes.push_back({what, names.size(), names});
+}
+
+Status SceneBuilder::set_crs(const std::string& crs, const std::string& path) {
+  if (crs.empty()) return {};
+  ++crs_named_;
+  if (lower(crs).find("epsg") != std::string::npos && (crs.back() < '0' || crs.back() > '9'))
+    note("reference systems without an EPSG code at their end, kept as they are written");
+  if (scene_.crs.empty()) scene_.crs = crs;
+  if (crs_key(scene_.crs) != crs_key(crs))
+    return Error{ErrorCode::kUnsupported,
+                 "reference system '" + crs + "' differs from '" + scene_.crs + "' of an earlier input", path};
+  return {};
+}
+
+}  // namespace zc

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Collects whole objects into a Scene: welds equal positions within an object, drops triangles that cannot be used,
+// shares equal materials, counts what was left out. The order of calls alone decides the result.
+// Owns the growing scene. Not thread-safe.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "baker/scene/scene.h"
+#include "base/result.h"
+
+namespace zc {
+
+struct ObjectMesh {
+  std::string id;
+  ObjectKind kind = ObjectKind::kObject;  // kObject becomes kGround when the object is too wide for one zone
+  std::vector<glm::dvec3> positions;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint16_t> materials;      // per triangle
+  std::vector<TriangleTexcoords> texcoords;  // ascending; of some triangles
+};
+
+// Wider than this in x or y, an object is ground: it is cut along zone borders.
+inline constexpr double kGroundExtentM = 128;
+// Beyond this a coordinate has no place on any lattice.
+inline constexpr double kMaxCoordinateM = 1.8e18;
+// Beyond this a texture coordinate, a float, tells not even whole repeats of the image apart.
+inline constexpr float kMaxTexcoord = 1U << 24U;
+
+class SceneBuilder {
+ public:
+  // Index of an equal material, added when new. A full table yields the nearest in colour and roughness that has no
+  // texture.
+  std::uint16_t material(const Material& material);
+  // Indices in `mesh` must be in range. An object without a usable triangle is left out.
+  Status add(const ObjectMesh& mesh);
+  // What is noted next lies in this file, outside any object.
+  void enter_file(const std::string& path) { place_ = {path, {}}; }
+  void enter_object(const std::string& id) { place_.object = id; }
+  void note(const std::string& what, std::uint64_t count = 1);
+  // One for each of the files that are named.
+  void note_files(const std::string& what, const std::vector<std::string>& names);
+  // Keeps the first system named; fails when `crs` names another one. An empty name says nothing.
+  Status set_crs(const std::string& crs, const std::string& path);
+  [[nodiscard]] std::uint64_t crs_named() const { return crs_named_; }  // how often set_crs() was told one
+  [[nodiscard]] Scene finish(std::vector<TextureImage> images) {
+    scene_.images = std::move(images);
+    return std::move(scene_);
+  }
+
+ private:
+  using TextureKey = std::array<float, 9>;
+  using MaterialKey = std::tuple<std::string, float, float, float, float, float, TextureKey>;
+  struct Place {
+    std::string file;
+    std::string object;
+  };
+  Scene scene_;
+  Place place_;
+  std::uint64_t crs_named_ = 0;
+  std::map<MaterialKey, std::uint16_t> materials_;
+  std::map<std::string, std::size_t> notes_;
+};
+
+}  // namespace zc

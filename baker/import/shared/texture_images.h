@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Texture images (JPEG, PNG) of the inputs, each decoded once. An image that is missing, does not decode or may not be
+// read is no error: it is named in the notes and the caller uses its plain colour.
+// Owns the images. Untrusted input. Not thread-safe.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "baker/scene/texture_image.h"
+#include "base/result.h"
+
+namespace zc {
+
+class SceneBuilder;
+
+struct LoadedImage {
+  std::uint32_t index = 0;  // of Scene::images
+  glm::vec3 mean{0};        // linear
+};
+
+class TextureImages {
+ public:
+  // `file` is where the image lies, or why it is not read (uri.h); `name` is how the model calls it.
+  std::optional<LoadedImage> of_file(const Result<std::filesystem::path>& file, const std::string& name);
+  // `key` tells images within models apart.
+  std::optional<LoadedImage> of_bytes(const std::string& key, std::span<const std::byte> encoded);
+  void report(SceneBuilder& builder) const;
+  [[nodiscard]] std::vector<TextureImage> take() { return std::move(images_); }
+
+ private:
+  std::optional<LoadedImage> add(std::span<const std::byte> encoded);
+
+  std::map<std::string, std::optional<LoadedImage>> known_;
+  std::vector<TextureImage> images_;
+  std::uint64_t texels_ = 0;
+  std::uint32_t dropped_levels_ = 0;  // of every image, so that all fit
+  std::vector<std::string> missing_;
+  std::vector<std::string> outside_;
+  std::vector<std::string> unreadable_;
+};
+
+}  // namespace zc

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Faces that add nothing: without area, or of the same three vertices as an earlier one. Thread-safe: no state.
+#pragma once
+
+#include <cstdint>
+
+#include "baker/repair/mesh_part.h"
+
+namespace zc {
+
+struct SuperfluousCounts {
+  std::uint64_t flat = 0;
+  std::uint64_t repeated = 0;
+  std::uint64_t back_to_back = 0;  // turned copies in one object: rays meet either side of what stays
+};
+
+// Of equal faces the first stays. Turned copies that belong to two objects both stay.
+SuperfluousCounts drop_superfluous(MeshPart& part);
+
+}  // namespace zc

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replay/bench/engines/zonecast_engine.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/check.h"
+#include "replay/bench/engines/gpu_engine.h"
+#include "replay/bench/engines/parallel_chunks.h"
+#include "replay/bench/engines/plain_layout.h"
+#include "replay/bench/engines/stopwatch.h"
+#include "replay/bench/engines/zone_mesh.h"
+#include "runtime/device/shader_code.h"
+#include "runtime/renderer.h"
+#include "runtime/scene/zone_set.h"
+
+namespace zc::bench {
+namespace {
+
+constexpr float kFarthestM = 1e30F;
+constexpr std::uint32_t kPictureWidth = 1024;  // the renderer takes as many rays as its picture has pixels
+
+class ZonecastEngine final : public TraceEngine {
+ public:
+  ZonecastEngine(Device& device, ZonecastOptions options, PageBuilder builder, unsigned threads)
+      : device_(device),
+        options_(std::move(options)),
+        builder_(std::move(builder)),
+        threads_(threads),
+        zones_(device),
+        no_zones_(device),
+        plain_zones_(device) {}
+  [[nodiscard]] std::string name() const override { return options_.name; }
+  [[nodiscard]] BuildFigures figures() const override { return figures_; }
+
+  Status build(const BenchScene& scene) override {
+    scene_ = &scene;
+    ZC_ASSIGN(std::vector<ZonePage> pages, build_pages(scene));
+    std::uint64_t words = 0;
+    for (const ZonePage& page : pages) {
+      words += page.words.size();
+      page_depth_ = std::max(page_depth_, page_root(page.words).depth);
+    }
+    const auto count = static_cast<std::uint32_t>(pages.size());
+    ZC_TRY(zones_.create(words, count));
+    ZC_TRY(no_zones_.create(gpu::kPageAlignWords, 1));
+    std::vector<gpu::ZoneEntry> entries;
+    std::uint32_t at = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      ZC_TRY(zones_.upload(at, pages[i].words));
+      gpu::ZoneEntry entry{};
+      entry.page_word = at;
+      entry.node = i;
+      entries.push_back(entry);
+      at += static_cast<std::uint32_t>(pages[i].words.size());
+      order_.push_back(std::move(pages[i].order));
+    }
+    const Stopwatch watch;
+    ZC_TRY(zones_.set_zones(entries));
+    figures_.build_ms += watch.ms();
+    figures_.bytes = 4 * (words + zones_.end_word() - zones_.root_word());
+    entries_ = std::move(entries);
+    return options_.plain ? build_plain() : Status{};
+  }
+
+  Result<double> trace(std::span<const BenchRay> rays, std::span<BenchHit> hits) override {
+    const auto height = static_cast<std::uint32_t>((rays.size() + kPictureWidth - 1) / kPictureWidth);
+    if (renderer_ == nullptr || height_ < height) {
+      RendererOptions options;
+      options.width = kPictureWidth;
+      options.height = height_ = height;
+      options.page_depth = page_depth_;
+      options.max_zones = static_cast<std::uint32_t>(entries_.size());
+      options.trace = options_.variant;
+      if (const auto why_not = misfit(options.trace, trace_limits(device_, options)); !why_not.empty())
+        return Error{ErrorCode::kUnsupported, std::string(why_not)};
+      if (options_.plain)
+        options.proxy_kernels = {shader::bench_trace_plain_packets(),
+                                 packets() ? shader::bench_trace_plain_children() : shader::bench_trace_plain_rays(),
+                                 shader::bench_resolve_plain()};
+      ZC_ASSIGN(renderer_, Renderer::create(device_, options_.plain ? plain_zones_ : zones_, no_zones_, {}, options));
+    }
+    RenderCamera camera;
+    camera.step_m = scene_->step_m;
+    camera.ray_length_m = kFarthestM;
+    std::vector<gpu::RayTask> tasks(rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const BenchRay& r = rays[i];
+      tasks[i] = {r.ox, r.oy, r.oz, 0, r.dx, r.dy, r.dz, gpu::kNoSurface};
+    }
+    double milliseconds = 0;
+    ZC_ASSIGN(const std::vector<TracedHit> records,
+              renderer_->trace(camera, tasks, {.any_hit = options_.any_hit}, &milliseconds));
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      TracedHit hit = records[i];
+      if (hit.page_word == gpu::kHitLost) return Error{ErrorCode::kDevice, "ray " + std::to_string(i) + " was lost"};
+      hits[i] = {};
+      if (hit.page_word == gpu::kHitNone) continue;
+      if (options_.plain) {
+        const PlainTriangle& triangle = plain_triangles_.at(hit.triangle - plain_first_);
+        hit.page_word = triangle.page_word;
+        hit.triangle = triangle.position;
+      }
+      const auto zone = std::ranges::lower_bound(entries_, hit.page_word, {}, &gpu::ZoneEntry::page_word);
+      ZC_CHECK(zone != entries_.end() && zone->page_word == hit.page_word);
+      hits[i] = {hit.t, scene_->zones[zone->node].first + order_[zone->node].at(hit.triangle)};
+    }
+    return milliseconds;
+  }
+
+ private:
+  Result<std::vector<ZonePage>> build_pages(const BenchScene& scene) {
+    std::vector<ZonePage> pages(scene.zones.size());
+    std::vector<NodeRecord> nodes(pages.size());
+    std::vector<ZoneMesh> meshes;
+    for (std::size_t i = 0; i < pages.size(); ++i) meshes.push_back(weld_zone(scene, scene.zones[i], nodes[i]));
+    std::vector<Status> results(pages.size());
+    const Stopwatch watch;
+    parallel_chunks<1>(pages.size(), threads_, [&](std::size_t i, std::size_t /*end*/) {
+      Result<ZonePage> page = builder_(meshes[i], nodes[i]);
+      if (page) {
+        pages[i] = *std::move(page);
+      } else {
+        results[i] = std::move(page).error();
+      }
+    });
+    figures_.build_ms = watch.ms();
+    for (Status& result : results) ZC_TRY(std::move(result));
+    return pages;
+  }
+
+  [[nodiscard]] bool packets() const { return options_.variant.rays_per_lane > 0; }
+
+  // From the pool as the device has it.
+  Status build_plain() {
+    std::vector<std::uint32_t> pool(zones_.end_word());
+    ZC_TRY(read_buffer(device_, zones_.pool(), std::as_writable_bytes(std::span(pool))));
+    const Stopwatch watch;
+    PlainPool plain =
+        make_plain_pool(pool, zones_.root_word(), packets() ? PlainNodes::kByChild : PlainNodes::kByPlane);
+    figures_.build_ms += watch.ms();
+    figures_.bytes = 4 * plain.words.size();
+    plain_first_ = plain.first_triangle;
+    plain_triangles_ = std::move(plain.triangles);
+    ZC_TRY(plain_zones_.create(plain.words.size(), 1));
+    return write_buffer(device_, plain_zones_.pool(), std::as_bytes(std::span(plain.words)));
+  }
+
+  Device& device_;
+  ZonecastOptions options_;
+  PageBuilder builder_;
+  unsigned threads_;
+  const BenchScene* scene_ = nullptr;
+  ZoneSet zones_;
+  ZoneSet no_zones_;
+  ZoneSet plain_zones_;  // a pool alone
+  std::vector<PlainTriangle> plain_triangles_;
+  std::uint32_t plain_first_ = 0;
+  std::vector<gpu::ZoneEntry> entries_;
+  std::vector<std::vector<std::uint32_t>> order_;  // by zone
+  std::unique_ptr<Renderer> renderer_;
+  std::uint32_t height_ = 0;
+  std::uint32_t page_depth_ = 1;
+  BuildFigures figures_;
+};
+
+}  // namespace
+
+std::unique_ptr<TraceEngine> make_zonecast_engine(Device& device, ZonecastOptions options, PageBuilder builder,
+                                                  unsigned threads) {
+  return std::make_unique<ZonecastEngine>(device, std::move(options), std::move(builder), threads);
+}
+
+}  // namespace zc::bench

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "baker/bake.h"
+#include "baker/import/import.h"
+#include "baker/scene/bake_cache.h"
+#include "base/text.h"
+#include "replay/cli/bvh_option.h"
+#include "replay/cli/commands.h"
+#include "replay/cli/progress.h"
+#include "replay/session/units.h"
+
+namespace zc {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> inputs;
+  std::string out;
+  std::optional<std::string> sun;
+  BakeOptions options;
+};
+
+Status run(const Arguments& arguments) {
+  const auto is_empty = [](const std::string& name) { return name.empty(); };
+  if (is_empty(arguments.out) || std::ranges::any_of(arguments.inputs, is_empty))
+    return Error{ErrorCode::kArgument, "an input or the output has an empty name"};
+  std::error_code failure;
+  const bool had_cache = std::filesystem::exists(std::filesystem::path(arguments.out) / kBakeCacheName, failure);
+  ZC_ASSIGN(WorldWriter writer, WorldWriter::open(arguments.out));
+  Progress progress;
+  BakeOptions options = arguments.options;
+  if (arguments.sun) {
+    ZC_ASSIGN(options.sun, parse_sun(*arguments.sun));
+    if (options.sun->elevation_deg < 0)
+      return Error{ErrorCode::kArgument, "a sun below the horizon lights nothing: '" + *arguments.sun + "'"};
+    if (!options.light) return Error{ErrorCode::kArgument, "--sun needs light"};
+  }
+  options.progress = [&](double fraction, std::string_view stage) { progress.update(fraction, stage); };
+  progress.update(0, "import");
+  const auto started = std::chrono::steady_clock::now();
+  const std::vector<std::filesystem::path> inputs(arguments.inputs.begin(), arguments.inputs.end());
+  ZC_ASSIGN(Scene scene, import_inputs(inputs));
+  const std::chrono::duration<double> import_s = std::chrono::steady_clock::now() - started;
+  Result<BakeReport> baked = bake_world(std::move(scene), import_s.count(), options, std::move(writer));
+  if (!baked) {
+    Error error = std::move(baked).error();  // of the scene as a whole: its first file stands for it
+    if (error.path.empty() && error.code != ErrorCode::kArgument) error.path = arguments.inputs.front();
+    return error;
+  }
+  const BakeReport& report = *baked;
+
+  std::size_t zones = 0;
+  for (const NodeRecord& node : report.index.nodes) zones += node.is_detail() ? 1 : 0;
+  for (const auto* notes : {&report.notes, &report.repair.counts})
+    for (const ImportCount& note : *notes) {
+      const std::string first = note.names.empty() ? "" : " (first: " + printable(note.names.front(), 160) + ")";
+      spdlog::info("{}: {}{}", note.what, note.count, first);
+    }
+  if (report.interior_faces > 0)
+    spdlog::info("faces that can be seen from nowhere outside, left out: {}", report.interior_faces);
+  const auto counted = [](std::uint64_t count, const char* what) {
+    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+  };
+  std::cout << arguments.out << ": " << counted(report.index.header.source_triangles, "triangle") << " in "
+            << counted(zones, "zone") << ", " << counted(report.index.nodes.size(), "node");
+  if (had_cache && options.reuse) std::cout << " (" << report.proxies_reused << " proxies as before)";
+  std::cout << ", " << std::fixed << std::setprecision(1) << report.seconds.total << " s, peak memory "
+            << format_bytes(report.peak_rss_bytes) << '\n';
+  return {};
+}
+
+}  // namespace
+
+void add_bake(CLI::App& app, const SetCommand& set) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("bake", "Bake city models into a world of zones");
+  command
+      ->add_option("inputs", arguments->inputs,
+                   "glTF, GLB, CityJSON 1.1/2.0, CityJSONSeq, CityGML 2.0 or 3D Tiles 1.0/1.1 (tileset.json) files; "
+                   "-: CityJSONSeq from standard input")
+      ->required();
+  command->add_option("-o,--output", arguments->out, "World folder to write; an old world there is replaced")
+      ->required();
+  command
+      ->add_option("--error", arguments->options.error_m, "Bound on the surface error of the finest proxies, in metres")
+      ->capture_default_str()
+      ->check(CLI::Range(0.001, 100.0));
+  command->add_flag("!--from-scratch", arguments->options.reuse,
+                    "Reuse nothing of the old world, and keep nothing (bake.cache) for the next bake");
+  add_bvh_option(*command, arguments->options.bvh.method, "How BVHs are built; auto: the cheapest on simulated rays");
+  command->add_option("--leaf-triangles", arguments->options.leaf_triangles, "Triangles at which a zone is split")
+      ->capture_default_str()
+      ->check(CLI::Range(64U, 65535U));
+  command
+      ->add_option("--atlas", arguments->options.atlas_size,
+                   "Largest texture atlas of a zone, in texels a side, halved level by level; 0: mean colours only")
+      ->capture_default_str()
+      ->check(CLI::IsMember({0, 32, 64, 128, 256, 512, 1024}));
+  command->add_flag("!--no-light", arguments->options.light,
+                    "Bake no light: the sky reaches every surface and nothing shines back");
+  command->add_option(
+      "--sun", arguments->sun,
+      "Sun, azimuth (degrees clockwise from north) and elevation, as in 145,38: what it lights is stored too, "
+      "and needs no shadow rays while a replay's sun is the same");
+  command->add_flag("--exterior", arguments->options.exterior,
+                    "Leave out faces that can be seen from nowhere outside: rooms without an opening, what stands in "
+                    "them, and walls between buildings that touch");
+  command->add_option("--threads", arguments->options.threads, "Threads (0: all cores)")
+      ->capture_default_str()
+      ->check(CLI::Range(0U, 256U));
+  command->callback([=] { set([=] { return run(*arguments); }); });
+}
+
+}  // namespace zc

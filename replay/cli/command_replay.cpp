@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "base/file.h"
+#include "replay/cli/commands.h"
+#include "replay/cli/progress.h"
+#include "replay/cli/world_option.h"
+#include "replay/session/replay_session.h"
+#include "replay/session/statistics_json.h"
+#include "replay/session/units.h"
+#include "replay/session/variant_cache.h"
+#include "streamer/paging/memory_plan.h"
+
+namespace zc {
+namespace {
+
+// As typed; parsed in run(), so that every fault is one line and exit code 2.
+struct Arguments {
+  WorldOption world;
+  std::string out;
+  std::vector<std::string> paths;
+  std::string cap;
+  std::string frames, size = "1280x720";
+  std::optional<std::string> sun;
+  std::string latency = "0s", bandwidth, upload_budget;
+  Prediction prediction = Prediction::kPath;
+  std::string host_budget = "256MiB";
+  std::string device;
+  std::string kernel = "auto";
+  ClockKind clock = ClockKind::kVirtual;
+  ReflectionMode reflections = ReflectionMode::kScreenAndProxy;
+  std::vector<DebugView> debug_views;
+  unsigned threads = 0;
+  double tolerance = 0.002;
+  double look_ahead_s = 2;
+  bool no_render = false, validate = false, contact_sheet = false, leave_nothing_out = false, trace = false;
+};
+
+Status parse_kernel(const std::string& text, ReplayOptions& options) {
+  options.kernel = text == "auto"      ? KernelChoice::kAuto
+                   : text == "measure" ? KernelChoice::kMeasure
+                                       : KernelChoice::kFixed;
+  if (options.kernel != KernelChoice::kFixed) {
+    options.variant_cache = variant_cache_file();
+    return {};
+  }
+  const auto variant = parse_trace_variant(text);
+  if (!variant)
+    return Error{ErrorCode::kArgument,
+                 "no kernel is called '" + text + "' (auto, measure, or " + std::string(kTraceVariantNames) + ")"};
+  options.renderer.trace = *variant;
+  return {};
+}
+
+Result<ReplayOptions> to_options(const Arguments& a) {
+  ReplayOptions options;
+  options.world = a.world.place;
+  ZC_ASSIGN(options.source, parse_source_options(a.world));
+  options.out = a.out;
+  ZC_ASSIGN(options.streamer.cap_bytes, parse_bytes(a.cap));
+  options.source.held_bytes_most = index_limit_bytes(options.streamer.cap_bytes);
+  ZC_ASSIGN(options.host_budget_bytes, parse_bytes(a.host_budget));
+  ZC_ASSIGN(options.streamer.source_latency_s, parse_seconds(a.latency));
+  if (!a.bandwidth.empty()) {
+    ZC_ASSIGN(options.streamer.source_bandwidth_bytes_per_s, parse_bytes_per_second(a.bandwidth));
+  }
+  if (a.clock == ClockKind::kWall && (options.streamer.source_latency_s > 0 || !a.bandwidth.empty()))
+    return Error{ErrorCode::kArgument, "--source-latency and --source-bandwidth need --clock virtual"};
+  if (!std::isfinite(a.tolerance) || !std::isfinite(a.look_ahead_s))  // a range check lets NaN pass
+    return Error{ErrorCode::kArgument, "--tolerance and --look-ahead need finite numbers"};
+  if (!a.upload_budget.empty()) {
+    ZC_ASSIGN(options.streamer.upload_bytes_per_frame, parse_bytes(a.upload_budget));
+    if (options.streamer.upload_bytes_per_frame == 0)
+      return Error{ErrorCode::kArgument, "--upload-budget is one byte at least: with none nothing is ever shown"};
+  }
+  if (a.trace && a.out.empty()) return Error{ErrorCode::kArgument, "--trace needs a folder for trace.json: -o"};
+  if (!a.frames.empty()) {
+    ZC_ASSIGN(options.frames, parse_frames(a.frames));
+  }
+  ZC_ASSIGN(const PictureSize size, parse_size(a.size));
+  if (a.sun) {
+    ZC_ASSIGN(options.sun, parse_sun(*a.sun));
+  }
+  ZC_TRY(parse_kernel(a.kernel, options));
+  options.renderer.width = size.width;
+  options.renderer.height = size.height;
+  options.renderer.reflections = a.reflections;
+  options.streamer.clock = a.clock;
+  options.streamer.tolerance = a.tolerance;
+  options.streamer.threads = a.threads != 0 ? a.threads : std::max(1U, std::thread::hardware_concurrency());
+  options.look_ahead_s = a.look_ahead_s;
+  options.render = !a.no_render;
+  options.debug_views = a.debug_views;
+  options.device = a.device;
+  options.validation = a.validate;
+  options.contact_sheet = a.contact_sheet;
+  options.leave_nothing_out = a.leave_nothing_out;
+  options.prediction = a.prediction;
+  options.trace = a.trace;
+  for (const std::string& path : a.paths) {
+    ZC_ASSIGN(options.paths.emplace_back(), read_camera_path(path));
+  }
+  return options;
+}
+
+void print_summary(const ReplayReport& report) {
+  const StreamerStatistics& s = report.streaming;
+  std::cout << s.frames << " frames, " << s.frames_over_cap << " over the cap of " << format_bytes(s.cap_bytes)
+            << "; ledger peak " << format_bytes(s.ledger.peak_bytes) << '\n'
+            << s.zones_loaded << " zones loaded, " << s.zones_evicted << " evicted, " << s.requests.failed
+            << " requests failed\n";
+  if (report.rendered_frames > 0) {
+    std::cout << report.rays.total << " rays: " << report.rays.screen << " screen, " << report.rays.proxy << " proxy, "
+              << report.rays.proxy_coarse << " coarse proxy, " << report.rays.sky << " sky, " << report.rays.lost
+              << " lost\n"
+              << "median frame " << std::fixed << std::setprecision(1) << report.total_ms << " ms on " << report.device
+              << '\n';
+  }
+}
+
+Status run(const Arguments& arguments) {
+  ZC_ASSIGN(ReplayOptions options, to_options(arguments));
+  Progress progress;
+  options.progress = [&](double fraction, std::string_view stage) { progress.update(fraction, stage); };
+  options.on_failure = [](const Error& error) { spdlog::warn("{}", error.describe()); };
+  ZC_ASSIGN(const ReplayReport report, run_replay(options));
+  if (!options.out.empty()) {
+    const std::string text = statistics_json(report).dump(2) + "\n";
+    ZC_TRY(write_file(options.out / "stats.json", std::as_bytes(std::span(text))));
+  }
+  print_summary(report);
+  if (report.validation_messages > 0)
+    return Error{ErrorCode::kDevice, std::to_string(report.validation_messages) + " Vulkan validation messages"};
+  return {};
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, const SetCommand& set) {
+  const auto a = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("replay", "Page and render a world along a camera path under a memory cap");
+  add_world_option(*command, a->world);
+  command
+      ->add_option(
+          "--path", a->paths,
+          "Camera path (CSV) or still views (shots.json) [a flight over the world]. More than once: that many cameras "
+          "under one cap, all at the times of the first; pictures of the second go to camera_1, and so on")
+      ->expected(1)
+      ->take_all();
+  command->add_option("--cap", a->cap, "Hard cap on everything the streamer holds, e.g. 64MiB")->required();
+  command->add_option("-o,--output", a->out, "Folder for frames, stats.json and frames.csv");
+  command->add_option("--frames", a->frames, "Path samples A (inclusive) to B (exclusive): A:B, A:B:STEP or all");
+  command->add_option("--size", a->size, "Picture size")->capture_default_str();
+  command->add_flag("--no-render", a->no_render, "Page only: no device, no pictures");
+  command
+      ->add_option("--reflections", a->reflections,
+                   "ssr+proxy: screen first, then proxies; proxy: proxies only; full: full detail; none: sky only")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, ReflectionMode>{{"ssr+proxy", ReflectionMode::kScreenAndProxy},
+                                                                        {"proxy", ReflectionMode::kProxy},
+                                                                        {"full", ReflectionMode::kFull},
+                                                                        {"none", ReflectionMode::kNone}}))
+      ->option_text("ssr+proxy|proxy|full|none [ssr+proxy]");
+  command->add_option("--debug-views", a->debug_views, "Also write these, per frame; parted by commas")
+      ->delimiter(',')
+      ->transform(CLI::CheckedTransformer(std::map<std::string, DebugView>{{"provenance", DebugView::kProvenance},
+                                                                           {"bvh", DebugView::kBvh},
+                                                                           {"normals", DebugView::kNormals},
+                                                                           {"depth", DebugView::kDepth}}))
+      ->option_text("provenance,bvh,normals,depth");
+  command->add_flag("--contact-sheet", a->contact_sheet, "Also write contact_sheet.png: twelve frames on one picture");
+  command->add_option("--sun", a->sun,
+                      "Sun: azimuth (degrees clockwise from north), elevation [the world's, else 145,38]");
+  command->add_option("--clock", a->clock, "virtual: same path, same log; wall: measures this machine")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, ClockKind>{{"virtual", ClockKind::kVirtual}, {"wall", ClockKind::kWall}}))
+      ->option_text("virtual|wall [virtual]");
+  command->add_option("--source-latency", a->latency, "Modelled source: latency of a request (virtual clock)")
+      ->capture_default_str();
+  command->add_option("--source-bandwidth", a->bandwidth,
+                      "Modelled source: bandwidth, e.g. 20MB/s (default: unlimited)");
+  command->add_option("--threads", a->threads, "Streaming threads (0: all cores)")
+      ->capture_default_str()
+      ->check(CLI::Range(0U, 256U));
+  command->add_option("--tolerance", a->tolerance, "Refine where a proxy's error exceeds this share of its distance")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-6, 1.0));
+  command->add_option("--look-ahead", a->look_ahead_s, "Seconds of the path that paging looks ahead")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 60.0));
+  command
+      ->add_option("--prediction", a->prediction,
+                   "What paging looks ahead along: the path itself, or each camera's "
+                   "velocity, as for a live camera")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Prediction>{{"path", Prediction::kPath}, {"velocity", Prediction::kVelocity}}))
+      ->option_text("path|velocity [path]");
+  command->add_option("--upload-budget", a->upload_budget,
+                      "Bytes of pages that a frame may upload (default: unlimited)");
+  command->add_flag("--trace", a->trace,
+                    "Also write trace.json: what paging did and when, for Perfetto or chrome://tracing");
+  command
+      ->add_option("--host-budget", a->host_budget, "Memory of the stand-in host's full-detail zones, outside the cap")
+      ->capture_default_str();
+  command->add_option("--device", a->device, "Part of the Vulkan device's name");
+  command
+      ->add_option(
+          "--kernel", a->kernel,
+          "How rays are traced; pictures are the same by all. auto: by the kernels that were the fastest on this "
+          "device when it was measured, or measure now; measure: measure again; or by name: " +
+              std::string(kTraceVariantNames))
+      ->capture_default_str();
+  command->add_flag("--validate", a->validate,
+                    "Vulkan validation layers with synchronisation validation; exit 1 when they say anything");
+  command->add_flag("--leave-nothing-out", a->leave_nothing_out, "Run the general pipeline, to measure what is saved");
+  command->callback([=] { set([=] { return run(*a); }); });
+}
+
+}  // namespace zc

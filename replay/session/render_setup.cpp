@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "replay/session/render_setup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <string>
+
+namespace zc {
+namespace {
+
+// The eye in lattice units, relative to the world's anchor. Fails where the renderer's 32-bit lattice does not reach.
+Result<glm::dvec3> lattice_eye(const WorldIndex& index, const CameraSample& sample) {
+  glm::dvec3 lattice;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    lattice[axis] = sample.eye[axis] / index.step_m() - static_cast<double>(index.header.anchor[i]);
+    const double above = lattice[axis] - index.header.bounds_min[i];
+    const double below = index.header.bounds_max[i] - lattice[axis];
+    if (!(std::abs(lattice[axis]) < 2e9 && std::abs(above) < 2e9 && std::abs(below) < 2e9))
+      return Error{ErrorCode::kUnsupported, "the camera at " + std::to_string(sample.time_s) +
+                                                " s lies too far from the world: do path and world share a CRS?"};
+  }
+  return lattice;
+}
+
+}  // namespace
+
+Result<RenderCamera> make_camera(const WorldIndex& index, const CameraSample& sample) {
+  ZC_ASSIGN(const glm::dvec3 lattice, lattice_eye(index, sample));
+  RenderCamera camera;
+  camera.step_m = index.step_m();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    camera.lattice[i] = static_cast<std::int32_t>(std::llround(lattice[axis]));
+    camera.eye[axis] = static_cast<float>((lattice[axis] - camera.lattice[i]) * camera.step_m);
+  }
+  const glm::dvec3 forward = glm::normalize(sample.target - sample.eye);
+  const glm::dvec3 up = std::abs(forward.z) > 0.9999 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, up));
+  camera.forward = glm::vec3(forward);
+  camera.right = glm::vec3(right);
+  camera.up = glm::vec3(glm::cross(right, forward));
+  camera.fov_y_deg = static_cast<float>(sample.fov_y_deg);
+  double diagonal = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double extent = static_cast<double>(index.header.bounds_max[i]) - index.header.bounds_min[i];
+    diagonal += extent * extent;
+  }
+  camera.ray_length_m = static_cast<float>(std::max(100.0, 2 * std::sqrt(diagonal) * camera.step_m));
+  return camera;
+}
+
+std::uint32_t deepest_page(const WorldIndex& index) {
+  std::uint32_t depth = 1;
+  for (const NodeRecord& node : index.nodes) depth = std::max(depth, node.bvh_depth);
+  return depth;
+}
+
+std::vector<gpu::MaterialEntry> material_entries(const WorldIndex& index) {
+  std::vector<gpu::MaterialEntry> entries;
+  for (const MaterialRecord& m : index.materials)
+    entries.push_back({m.base_color[0], m.base_color[1], m.base_color[2], m.roughness, m.metallic, m.flags, 0, 0});
+  return entries;
+}
+
+void set_sun(RendererOptions& options, const WorldIndex& index, const std::optional<SunAngles>& asked) {
+  const std::optional<SunAngles> baked = SunAngles::unpack(index.header.sun);
+  const SunAngles sun = asked.value_or(baked.value_or(SunAngles{145, 38}));
+  options.sun_azimuth_deg = sun.azimuth_deg;
+  options.sun_elevation_deg = sun.elevation_deg;
+  options.sun_is_baked = baked && sun.elevation_deg >= 0 && sun.pack() == index.header.sun;
+}
+
+Picture picture_of(const Renderer& renderer, const RendererOptions& options) {
+  Picture picture{options.width, options.height, {}};
+  const auto pixels = renderer.pixels();
+  picture.rgba.resize(pixels.size());
+  std::ranges::transform(pixels, picture.rgba.begin(), [](std::byte b) { return static_cast<std::uint8_t>(b); });
+  return picture;
+}
+
+}  // namespace zc

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shades what the traced rays met, with one shadow ray each against the same zones where the bake does not say it all.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "passes/bindings.glsl"
+#include "shading/surface.glsl"
+#include "shading/shading.glsl"
+#include "shading/baked_light.glsl"
+#include "traverse/trace.glsl"
+layout(constant_id = 2) const uint kTraceHost = 0u;
+layout(local_size_x = 64) in;
+#include "traverse/list_index.glsl"
+
+struct HitSurface {
+  ZoneEntry zone;
+  vec3 outward;  // unit, as wound
+  vec3 shaded;   // unit, of the curved surface that the triangle stands in for, if it does
+  SurfaceLook look;
+};
+
+#include "page/full_detail_set.glsl"
+#include "page/page_layout.glsl"
+#include "traverse/traverse.glsl"
+#include "page/page_appearance.glsl"
+#include "traverse/hit_surface.glsl"
+#include "page/end_set.glsl"
+#include "page/proxy_set.glsl"
+#include "page/page_layout.glsl"
+#include "traverse/traverse.glsl"
+#include "page/page_appearance.glsl"
+#include "traverse/hit_surface.glsl"
+#include "page/end_set.glsl"
+
+void main() {
+  const uint i = list_index();
+  if (i >= counters.ray_count) return;
+  const RayTask task = load_ray(i);
+  const HitRecord hit = hits[i];
+  const vec3 direction = vec3(task.dir_x, task.dir_y, task.dir_z);
+  vec3 color = sky_radiance(direction);
+  uint source = kSourceSky;
+  if (hit.triangle == kHitLost) {
+    source = kSourceLost;
+    atomicAdd(counters.rays_lost, 1u);
+  } else if (hit.triangle == kHitNone) {
+    atomicAdd(counters.rays_sky, 1u);
+  } else {
+    const vec3 position = vec3(task.origin_x, task.origin_y, task.origin_z) + direction * hit.t;
+    const ivec2 asked = ivec2(hit.pixel % frame.size.x, hit.pixel / frame.size.x);
+    const float footprint_m = pixel_footprint_m(frame.eye.w / max(texelFetch(depth_image, asked, 0).x, 1e-12) + hit.t);
+    HitSurface h;
+    if (kTraceHost != 0u)
+      h = host_hit_surface(hit.triangle, position, footprint_m);
+    else
+      h = proxy_hit_surface(hit.triangle, position, footprint_m);
+    const vec3 normal = dot(h.outward, direction) > 0.0 ? -h.outward : h.outward;
+    const vec3 shaded = dot(h.shaded, direction) < 0.0 ? h.shaded : normal;
+    float visibility = h.look.sun == kSunLit ? 1.0 : 0.0;
+    if (h.look.sun == kSunUnknown && dot(normal, frame.sun_direction.xyz) > 0.0) {
+      const float start_m = 2e-3 + 2e-5 * hit.t;
+      const TraceRay ray =
+          TraceRay(position + normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w, pack_normal(h.outward));
+      const uint blocker = kTraceHost != 0u ? host_trace(ray, true).triangle : proxy_trace(ray, true).triangle;
+      visibility = blocker == kHitNone ? 1.0 : 0.0;
+    }
+    color = shade_mirrored(h.look, shaded, direction, irradiance(h.look, shaded, visibility), hit.t);
+    if ((h.zone.flags & kZoneCoarse) != 0u) {
+      source = kSourceProxyCoarse;
+      atomicAdd(counters.rays_proxy_coarse, 1u);
+    } else {
+      source = kSourceProxy;
+      atomicAdd(counters.rays_proxy, 1u);
+    }
+    source |= h.zone.node << kSourceBits;
+  }
+  reflection[hit.pixel] = pack_color(color, 0.0);
+  provenance[hit.pixel] = source;
+}

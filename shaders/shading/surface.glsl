@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The G-buffer's surface: how it is packed, and how a pixel becomes a position, a normal and a material.
+
+#include "shading/surface_attributes.glsl"
+
+// Direction through a point of the image, in pixels; not normalised: its component along `forward` is 1.
+vec3 view_direction(vec2 pixel) {
+  const vec2 ndc = pixel / vec2(frame.size.xy) * 2.0 - 1.0;
+  return frame.forward.xyz + frame.right.xyz * (ndc.x * frame.right.w) - frame.up.xyz * (ndc.y * frame.up.w);
+}
+
+struct Surface {
+  bool sky;
+  vec3 position;  // metres, relative to camera_lattice
+  vec3 normal;    // unit, towards the viewer
+  vec3 outward;   // unit, as the model winds the face
+  vec3 shaded;    // unit, towards the viewer: the normal of the curved surface that the face stands in for, if it does
+  uint leaves;    // the same, packed
+  vec3 view;      // unit, from the eye to the surface
+  float distance_m;  // along the view axis
+  SurfaceLook look;
+};
+
+Surface load_surface(ivec2 pixel) {
+  Surface s;
+  const vec3 direction = view_direction(vec2(pixel) + 0.5);
+  const float depth = texelFetch(depth_image, pixel, 0).x;
+  s.view = normalize(direction);
+  s.sky = depth <= 0.0;
+  s.distance_m = frame.eye.w / max(depth, 1e-12);
+  s.position = frame.eye.xyz + direction * s.distance_m;
+  const uvec4 packed_surface = texelFetch(surface_image, pixel, 0);
+  s.leaves = packed_surface.x;
+  s.outward = unpack_normal(packed_surface.x);
+  s.normal = dot(s.outward, s.view) > 0.0 ? -s.outward : s.outward;
+  s.look = unpack_look(packed_surface.y, packed_surface.z, packed_surface.w & 3u);
+  s.shaded = packed_surface.w >> 2 == 0u ? s.normal : unpack_normal_30(packed_surface.w >> 2);
+  if (dot(s.shaded, s.view) > 0.0) s.shaded = normalize(s.shaded - 2.0 * dot(s.shaded, s.view) * s.view);
+  return s;
+}
+
+// Where a mirror sends what the viewer sees; never into the face.
+vec3 mirrored_direction(Surface s) {
+  const vec3 d = reflect(s.view, s.shaded);
+  const float below = dot(d, s.normal);
+  return below > 0.0 ? d : normalize(d + (1e-3 - below) * s.normal);
+}
+
+// The width of a pixel at a distance along the view axis, in metres.
+float pixel_footprint_m(float distance_m) { return 2.0 * frame.up.w * distance_m / float(frame.size.y); }
+
+uvec2 pack_color(vec3 rgb, float w) {
+  rgb = min(rgb, vec3(60000.0));
+  return uvec2(packHalf2x16(rgb.rg), packHalf2x16(vec2(rgb.b, w)));
+}
+vec4 unpack_color(uvec2 bits) { return vec4(unpackHalf2x16(bits.x), unpackHalf2x16(bits.y)); }

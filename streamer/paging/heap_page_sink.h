@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page sink of a replay that renders nothing, and of tests. Threads: as PageSink.
+#pragma once
+
+#include <vector>
+
+#include "streamer/page_sink.h"
+
+namespace zc {
+
+// A pool on the heap. All of it is touched at creation, so that the process holds what the ledger says from the start.
+class HeapPageSink final : public PageSink {
+ public:
+  Status create(std::uint64_t capacity_words) override;
+  Status upload(std::uint64_t offset_words, std::span<const std::uint32_t> page) override;
+  Status move(std::uint64_t from_words, std::uint64_t to_words, std::uint64_t count_words) override;
+
+  [[nodiscard]] std::span<const std::uint32_t> words() const { return words_; }
+
+ private:
+  std::vector<std::uint32_t> words_;
+};
+
+}  // namespace zc

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "streamer/paging/memory_plan.h"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "streamer/paging/page_loader.h"
+#include "streamer/paging/pager_state.h"
+
+namespace zc {
+namespace {
+
+constexpr std::uint64_t kSmallIndexBytes = 16U << 20U;
+constexpr std::uint64_t kBytesPerPage = kPagerBytesPerPage + kTopLevelBytesPerPage;
+
+std::uint64_t request_bytes(const NodeRecord& node) { return compressed_bytes(node) + node.page_bytes; }
+
+// Of the nodes that may be paged.
+struct PageSums {
+  std::uint64_t count = 0;
+  std::uint64_t pool_bytes = 0;
+  std::uint64_t smallest_pool_bytes = std::numeric_limits<std::uint64_t>::max();
+  // The pool is planned for pages that are on average no smaller than this; were they, fewer of them would be selected.
+  [[nodiscard]] std::uint64_t planned_pool_bytes() const {
+    return std::max(smallest_pool_bytes, pool_bytes / count / 2);
+  }
+  std::uint64_t largest_scratch_bytes = 0;
+  std::uint64_t largest_request_bytes = 0;
+};
+
+PageSums sum_pages(const WorldIndex& index, bool include_detail) {
+  PageSums sums;
+  for (const NodeRecord& node : index.nodes) {
+    if (!include_detail && node.is_detail()) continue;
+    const std::uint64_t bytes = pool_bytes(node);
+    ++sums.count;
+    sums.pool_bytes += bytes;
+    sums.smallest_pool_bytes = std::min(sums.smallest_pool_bytes, bytes);
+    sums.largest_scratch_bytes = std::max(sums.largest_scratch_bytes, scratch_bytes(node));
+    sums.largest_request_bytes = std::max(sums.largest_request_bytes, request_bytes(node));
+  }
+  return sums;
+}
+
+// What is there whatever is loaded, with the root's share of what is kept per page.
+std::uint64_t fixed_bytes(const WorldIndex& index, std::uint64_t source_bytes) {
+  return index.resident_bytes() + source_bytes + kFixedStateBytes + index.nodes.size() * kPagerBytesPerNode +
+         kBytesPerPage;
+}
+
+// What one load may take.
+struct LoadRoom {
+  std::uint64_t scratch = 0;
+  std::uint64_t request = 0;
+};
+
+// The room with which the most page bytes can be there: more of it lets larger pages be loaded, less of it leaves more
+// of `spare` to the pool. A page is of use only with its siblings, and below its parent. `least`: the root's.
+LoadRoom most_useful_room(const WorldIndex& index, bool include_detail, std::uint64_t spare, const LoadRoom& least) {
+  struct Family {  // a node's children
+    LoadRoom needs;
+    std::uint64_t bytes = 0;
+  };
+  const std::span<const NodeRecord> nodes = index.nodes;
+  std::vector<LoadRoom> needs(nodes.size());  // of a node with its siblings and all above it
+  std::vector<Family> families;
+  needs[0] = least;
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const NodeRecord& node = nodes[n];
+    if (node.child_count == 0 || (!include_detail && nodes[node.first_child].is_detail())) continue;
+    Family family{needs[n], 0};
+    for (const NodeRecord& child : nodes.subspan(node.first_child, node.child_count)) {
+      family.needs.scratch = std::max(family.needs.scratch, scratch_bytes(child));
+      family.needs.request = std::max(family.needs.request, request_bytes(child));
+      family.bytes += pool_bytes(child);
+    }
+    for (std::size_t c = node.first_child; c < std::size_t{node.first_child} + node.child_count; ++c)
+      needs[c] = family.needs;
+    families.push_back(family);
+  }
+  const auto sum = [](const LoadRoom& room) { return room.scratch + room.request; };
+  std::stable_sort(families.begin(), families.end(),
+                   [&](const Family& a, const Family& b) { return sum(a.needs) < sum(b.needs); });
+  LoadRoom room = least;
+  LoadRoom best = least;
+  std::uint64_t reached = 0;
+  std::uint64_t most = 0;
+  for (const Family& family : families) {
+    room = {std::max(room.scratch, family.needs.scratch), std::max(room.request, family.needs.request)};
+    const std::uint64_t more = sum(room) - sum(least);
+    if (more > spare) break;
+    reached += family.bytes;
+    if (std::min(reached, spare - more) <= most) continue;
+    most = std::min(reached, spare - more);
+    best = room;
+  }
+  return best;
+}
+
+// The largest pool that fits into `room` beside what is kept per page but the root's.
+std::uint64_t fit_pool(std::uint64_t room, std::uint64_t root_bytes, const PageSums& pages) {
+  const std::uint64_t more = (pages.count - 1) * kBytesPerPage;
+  const std::uint64_t planned = (room - root_bytes) / (pages.planned_pool_bytes() + kBytesPerPage);
+  return std::max(root_bytes + planned * pages.planned_pool_bytes(), room - std::min(room, more));
+}
+
+}  // namespace
+
+LoadLimits load_limits(const MemoryPlan& plan, bool include_detail) {
+  return {plan.in_flight_bytes, plan.scratch_bytes, include_detail};
+}
+
+std::uint64_t index_limit_bytes(std::uint64_t cap_bytes) { return std::max(cap_bytes, kSmallIndexBytes); }
+
+std::uint64_t smallest_cap_bytes(const WorldIndex& index, std::uint64_t source_bytes) {
+  const NodeRecord& root = index.nodes[0];
+  const std::uint64_t running =
+      fixed_bytes(index, source_bytes) + pool_bytes(root) + scratch_bytes(root) + request_bytes(root);
+  const std::uint64_t opening = 2 * index.resident_bytes() + source_bytes;  // the file and what it is decoded to
+  return std::max(running, opening);
+}
+
+Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& options, std::uint64_t source_bytes) {
+  const NodeRecord& root = index.nodes[0];
+  const std::uint64_t smallest = smallest_cap_bytes(index, source_bytes);
+  if (options.cap_bytes < smallest)
+    return Error{ErrorCode::kBudget, "a cap of " + std::to_string(options.cap_bytes) +
+                                         " bytes does not hold the root; the smallest cap that works is " +
+                                         std::to_string(smallest) + " bytes"};
+  if (options.pool_limit_bytes < pool_bytes(root))
+    return Error{ErrorCode::kBudget, "a pool of " + std::to_string(options.pool_limit_bytes) +
+                                         " bytes does not hold the root's page of " + std::to_string(pool_bytes(root))};
+
+  const PageSums pages = sum_pages(index, options.include_detail);
+  MemoryPlan plan;
+  const std::uint64_t room = options.cap_bytes - fixed_bytes(index, source_bytes);
+  LoadRoom load{scratch_bytes(root), request_bytes(root)};
+  std::uint64_t spare = room - pool_bytes(root) - load.scratch - load.request;
+  const std::uint64_t before = load.scratch + load.request;
+  if (pages.largest_scratch_bytes + pages.largest_request_bytes - before <= spare / 4)
+    load = {pages.largest_scratch_bytes, pages.largest_request_bytes};
+  else
+    load = most_useful_room(index, options.include_detail, spare, load);
+  spare -= load.scratch + load.request - before;
+
+  // Room for more than one at once: little of it while the pool cannot hold every page, for pages are what the cap is
+  // for. The number of threads has no say: what is selected must not depend on it.
+  const std::uint64_t beyond_pages = spare - std::min(spare, pages.pool_bytes + pages.count * kBytesPerPage);
+  const std::uint64_t scratch =
+      load.scratch * (1 + std::min<std::uint64_t>(3, std::max(spare / 16, beyond_pages / 4) / load.scratch));
+  const std::uint64_t requests = load.request + std::min((std::max(1U, options.max_in_flight) - 1) * load.request,
+                                                         std::max(spare / 12, beyond_pages / 4));
+
+  constexpr std::uint64_t kAlign = 4 * kPageAlignWords;
+  plan.scratch_bytes = scratch;
+  const std::uint64_t fitting = fit_pool(room - scratch - requests, pool_bytes(root), pages);
+  plan.pool_bytes = std::min({options.pool_limit_bytes, pages.pool_bytes, fitting}) / kAlign * kAlign;
+  plan.pages = 1 + std::min(pages.count - 1, (plan.pool_bytes - pool_bytes(root)) / pages.planned_pool_bytes());
+  plan.index_bytes = index.resident_bytes() + source_bytes;
+  plan.state_bytes = kFixedStateBytes + index.nodes.size() * kPagerBytesPerNode + plan.pages * kPagerBytesPerPage;
+  plan.top_level_bytes = plan.pages * kTopLevelBytesPerPage;
+  plan.in_flight_bytes = room - plan.scratch_bytes - plan.pool_bytes - (plan.pages - 1) * kBytesPerPage;
+  return plan;
+}
+
+}  // namespace zc

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a cap is divided before anything is loaded: what is always there, the page pool, and the working room in which
+// requests are read and decoded. Pure. Units: bytes.
+#pragma once
+
+#include <cstdint>
+
+#include "base/result.h"
+#include "streamer/paging/selection.h"
+#include "streamer/paging/streamer_options.h"
+#include "streamer/world_format/world_index.h"
+
+namespace zc {
+
+// The state that does not grow with the world: latency samples, queues, threads' stacks.
+inline constexpr std::uint64_t kFixedStateBytes = 64 << 10U;
+inline constexpr std::uint64_t kTopLevelBytesPerPage = 128;
+
+struct MemoryPlan {
+  std::uint64_t index_bytes = 0;  // and what the source holds
+  std::uint64_t state_bytes = 0;
+  std::uint64_t top_level_bytes = 0;
+  std::uint64_t pool_bytes = 0;
+  std::uint64_t pages = 0;            // that the pool holds at most
+  std::uint64_t scratch_bytes = 0;    // shared by the workers
+  std::uint64_t in_flight_bytes = 0;  // the rest: compressed bytes and decoded pages of requests
+};
+
+// What a node may need at most to be loaded under this plan.
+[[nodiscard]] LoadLimits load_limits(const MemoryPlan& plan, bool include_detail);
+
+// What an index may take of the memory before it is known whether the cap holds it: what no cap of this size holds is
+// not read, however long a server goes on; a small one is, to name the cap that works.
+[[nodiscard]] std::uint64_t index_limit_bytes(std::uint64_t cap_bytes);
+
+// The smallest cap under which a world opens: index, node state, the root's page and what loading it takes.
+// source_bytes: held_bytes() of the source that it is read from.
+[[nodiscard]] std::uint64_t smallest_cap_bytes(const WorldIndex& index, std::uint64_t source_bytes = 0);
+
+// Fails with kBudget, naming the smallest cap that works. source_bytes: held_bytes() of the world's source.
+Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& options, std::uint64_t source_bytes = 0);
+
+}  // namespace zc
