@@ -241,9 +241,9 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
   report.seconds.cut = watch.lap();
 
   progress.begin("simplify", 0.05, 0.85, tree.zones.size());
-  const std::vector<std::uint16_t> looks = look_classes(materials);
+  const std::vector<std::uint16_t> classes = appearance_classes(materials);
   const SimplifyContext context = {
-      nullptr, materials, looks, step_m, options.error_m, options.leaf_triangles, options.atlas_size > 0};
+      nullptr, materials, classes, step_m, options.error_m, options.leaf_triangles, options.atlas_size > 0};
   BakeCache cache;
   if (options.reuse) cache.read(writer.out() / kBakeCacheName);
   ProxyCache proxy_cache(cache, materials.size());
@@ -294,7 +294,7 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
     progress.begin("atlas", 0.92, 0.93, count);
     for_each_node([&](std::size_t i) {
       const AtlasOptions atlas{.max_size = left_out.atlas_sizes[i]};
-      appearances[i] = make_zone_looks(decoded[i], index.nodes[i], textures, materials, step_m, atlas);
+      appearances[i] = make_zone_appearance(decoded[i], index.nodes[i], textures, materials, step_m, atlas);
     });
   }
   report.seconds.atlas = watch.lap();

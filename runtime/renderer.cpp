@@ -105,7 +105,7 @@ void Renderer::record_trace(VkCommandBuffer c, const TraceKernels& kernels) cons
     dispatch_indirect(c, kernels.packets, offsetof(gpu::Counters, packet_groups_x));
     dispatch_pixels(c, kernels.size, 1, 1);
   }
-  dispatch_indirect(c, kernels.rays, offsetof(gpu::Counters, retry_groups_x));
+  dispatch_indirect(c, kernels.rays, offsetof(gpu::Counters, fallback_groups_x));
 }
 
 void Renderer::stamp(VkCommandBuffer c, std::uint32_t index) const {

@@ -160,7 +160,7 @@ class Renderer {
   PassLayout layout_;
   gpu::FrameData frame_ = {};
 
-  Buffer frame_buffer_, materials_, hiz_, lit_, reflection_, provenance_, pixel_list_, rays_, hits_, retries_,
+  Buffer frame_buffer_, materials_, hiz_, lit_, reflection_, provenance_, pixel_list_, rays_, hits_, fallback_rays_,
       counters_, output_;
   Buffer readback_, counters_readback_;
   BufferView ray_texels_;

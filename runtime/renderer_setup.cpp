@@ -4,8 +4,8 @@
 #include <array>
 #include <string>
 
-#include "runtime/device/shader_code.h"
 #include "runtime/renderer.h"
+#include "spirv/shader_code.h"
 
 namespace zc {
 namespace {
@@ -138,7 +138,7 @@ Status Renderer::create_buffers(std::span<const gpu::MaterialEntry> materials) {
               MemoryUse::kDevice));
   ZC_ASSIGN(ray_texels_, BufferView::create(device_, rays_, VK_FORMAT_R32G32B32A32_UINT));
   ZC_TRY(make(hits_, pixels * sizeof(gpu::HitRecord), storage, MemoryUse::kDevice));
-  ZC_TRY(make(retries_, (pixels / 8 + 1) * sizeof(gpu::Retry), storage, MemoryUse::kDevice));
+  ZC_TRY(make(fallback_rays_, (pixels / 8 + 1) * sizeof(gpu::FallbackRays), storage, MemoryUse::kDevice));
   ZC_TRY(make(counters_, sizeof(gpu::Counters), storage | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, MemoryUse::kDevice));
   ZC_TRY(make(output_, pixels * 4, storage, MemoryUse::kDevice));
   // Large enough for a picture and for the ray queue of trace().
@@ -198,7 +198,7 @@ Status Renderer::create_targets() {
   layout_.bind_buffer(gpu::kBindRays, rays_.handle());
   layout_.bind_buffer(gpu::kBindHits, hits_.handle());
   layout_.bind_texels(gpu::kBindRayTexels4, ray_texels_.handle());
-  layout_.bind_buffer(gpu::kBindRetries, retries_.handle());
+  layout_.bind_buffer(gpu::kBindFallbackRays, fallback_rays_.handle());
   layout_.bind_buffer(gpu::kBindCounters, counters_.handle());
   layout_.bind_buffer(gpu::kBindOutput, output_.handle());
   layout_.bind_sampled(gpu::kBindDepth, depth_.view(), read);

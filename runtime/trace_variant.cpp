@@ -6,15 +6,15 @@
 namespace zc {
 namespace {
 
-constexpr std::uint32_t kTeamSize = 8;    // as in packet.glsl
-constexpr std::uint32_t kEntryBytes = 8;  // of a stack
-constexpr double kTie = 0.97;             // of a time: what is not clearly less is the same
+constexpr std::uint32_t kLaneGroupSize = 8;  // as in packet.glsl
+constexpr std::uint32_t kEntryBytes = 8;     // of a stack
+constexpr double kTie = 0.97;                // of a time: what is not clearly less is the same
 
 }  // namespace
 
 std::string trace_variant_name(const TraceVariant& variant) {
   std::string name =
-      variant.rays_per_lane == 0 ? "single" : "packets" + std::to_string(kTeamSize * variant.rays_per_lane);
+      variant.rays_per_lane == 0 ? "single" : "packets" + std::to_string(kLaneGroupSize * variant.rays_per_lane);
   name += variant.pool_path == gpu::kPoolTexels ? "+texels" : "+storage";
   if (variant.stack_shared) name += "+shared";
   if (variant.width != TraceVariant{}.width) name += "+w" + std::to_string(variant.width);
@@ -37,10 +37,10 @@ std::vector<TraceVariant> all_trace_variants() {
   return variants;
 }
 
-std::string_view misfit(const TraceVariant& variant, const TraceLimits& limits) {
-  // In larger subgroups teams part ways, and nothing in SPIR-V without SPV_KHR_maximal_reconvergence says that the
-  // lanes of one team still meet at its shuffles: on an H100 some did not.
-  if (variant.rays_per_lane > 0 && limits.subgroup_size != kTeamSize)
+std::string_view unsupported_reason(const TraceVariant& variant, const TraceLimits& limits) {
+  // In larger subgroups lane groups part ways, and nothing in SPIR-V without SPV_KHR_maximal_reconvergence says that
+  // the lanes of one lane group still meet at its shuffles: on an H100 some did not.
+  if (variant.rays_per_lane > 0 && limits.subgroup_size != kLaneGroupSize)
     return "packets need subgroups of just eight that shuffle";
   if (variant.stack_shared && std::uint64_t{limits.stack_entries} * variant.width * kEntryBytes > limits.shared_bytes)
     return "the stacks of a workgroup do not fit the device's shared memory";
@@ -48,8 +48,8 @@ std::string_view misfit(const TraceVariant& variant, const TraceLimits& limits) 
 }
 
 TraceVariant nearest_fit(TraceVariant variant, const TraceLimits& limits) {
-  if (limits.subgroup_size != kTeamSize) variant.rays_per_lane = 0;
-  if (!misfit(variant, limits).empty()) variant.stack_shared = false;
+  if (limits.subgroup_size != kLaneGroupSize) variant.rays_per_lane = 0;
+  if (!unsupported_reason(variant, limits).empty()) variant.stack_shared = false;
   return variant;
 }
 
@@ -57,7 +57,7 @@ Result<TraceVariant> choose_trace_variant(const TraceLimits& limits, const Measu
   TraceVariant best = nearest_fit({}, limits);
   // Between the best so far and those of the others that fit; returns their times, in that order.
   const auto race = [&](std::vector<TraceVariant> variants) -> Result<std::vector<double>> {
-    std::erase_if(variants, [&](const TraceVariant& v) { return v == best || !misfit(v, limits).empty(); });
+    std::erase_if(variants, [&](const TraceVariant& v) { return v == best || !unsupported_reason(v, limits).empty(); });
     if (variants.empty()) return std::vector<double>();
     variants.insert(variants.begin(), best);
     ZC_ASSIGN(std::vector<double> times_ms, measure(variants));

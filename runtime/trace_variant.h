@@ -44,7 +44,7 @@ std::optional<TraceVariant> parse_trace_variant(std::string_view name);
 std::vector<TraceVariant> all_trace_variants();
 
 // Empty where the kernels can be specialised so; else why not.
-std::string_view misfit(const TraceVariant& variant, const TraceLimits& limits);
+std::string_view unsupported_reason(const TraceVariant& variant, const TraceLimits& limits);
 // The variant itself where it fits, else the nearest that does: rays one by one, a stack of their own.
 TraceVariant nearest_fit(TraceVariant variant, const TraceLimits& limits);
 

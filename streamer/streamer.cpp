@@ -72,7 +72,7 @@ class Streamer::Impl {
     stats_.bytes_read += compressed_bytes(root);
     marks_[0] = kMarkSelected;
     marked_.assign(1, 0);
-    pool_.update_cover();
+    pool_.update_rendered_cut();
     workers_ = std::make_unique<LoadWorkers>(source_, index_, std::min(options_.threads, options_.max_in_flight),
                                              plan_.scratch_bytes);
     return {};
@@ -87,7 +87,7 @@ class Streamer::Impl {
     stats_.frame.time_s = time_s;
     evictions_valid_ = false;
     uploaded_bytes_ = 0;
-    teleports_.begin_frame(views, time_s);
+    camera_cuts_.begin_frame(views, time_s);
 
     // With the previous selection still in force: what is in flight belongs to it, so there is room for it.
     bool any = false;
@@ -97,7 +97,7 @@ class Streamer::Impl {
       any = issue();
       ZC_TRY(complete(any));
     } while (any);
-    pool_.update_cover();
+    pool_.update_rendered_cut();
     show_frame();
     count_frame(views);
     return {};
@@ -113,7 +113,7 @@ class Streamer::Impl {
     out.compactions = pool_.compactions();
     out.compacted_bytes = pool_.compacted_bytes();
     out.prefetch = prefetch_.bytes();
-    out.teleports = teleports_.statistics();
+    out.camera_cuts = camera_cuts_.statistics();
     out.request_to_resident_ms = latencies_.summary();
     for (std::size_t s = 0; s < kLoadStateCount; ++s) out.state_ms[s] = states_[s].summary();
     out.event_log_xxh3 = events_.hash();
@@ -162,7 +162,7 @@ class Streamer::Impl {
     const SelectionQuery query = {.views = views,
                                   .limits = limits_,
                                   .previous = marks_.view(),
-                                  .cover = &pool_.nodes(),
+                                  .cut = &pool_.nodes(),
                                   .budget_bytes = plan_.pool_bytes,
                                   .most_pages = plan_.pages,
                                   .tolerance = options_.tolerance};
@@ -380,7 +380,7 @@ class Streamer::Impl {
   // What is lost with a page: nothing where finer pages cover its ground, of which the one that the camera is the
   // furthest from asking for goes first; else the ground shows the nearest resident ancestor.
   [[nodiscard]] double loss_of(std::uint32_t n) const {
-    const Cover& pages = pool_.nodes();
+    const RenderedCut& pages = pool_.nodes();
     if (pages.refinable(n)) return -(*error_of_)(index_.nodes[n]).weighted;
     std::uint32_t shown = n;
     do shown = static_cast<std::uint32_t>(index_.nodes[shown].parent);
@@ -437,7 +437,7 @@ class Streamer::Impl {
     const WantedCount wanted = count_wanted(index_, views, options_.tolerance, options_.include_detail, pool_.nodes());
     FrameStatistics& frame = stats_.frame;
     frame.resident_nodes = static_cast<std::uint32_t>(pool_.residents().size());
-    frame.cover_nodes = static_cast<std::uint32_t>(pool_.cover().size());
+    frame.cover_nodes = static_cast<std::uint32_t>(pool_.rendered_cut().size());
     frame.selected_nodes = static_cast<std::uint32_t>(selection_.nodes.size());
     frame.wanted_nodes = wanted.nodes;
     frame.missing_nodes = wanted.missing;
@@ -447,7 +447,7 @@ class Streamer::Impl {
     ++stats_.frames;
     if (frame.ledger_bytes > options_.cap_bytes) ++stats_.frames_over_cap;
     if (frame.missing_nodes == 0) ++stats_.wanted_level_frames;
-    teleports_.end_frame(frame.missing_nodes == 0);
+    camera_cuts_.end_frame(frame.missing_nodes == 0);
     prefetch_.settle(*error_now_, options_.tolerance);
   }
 
@@ -483,7 +483,7 @@ class Streamer::Impl {
   StreamerStatistics stats_;
   LatencySamples latencies_;
   std::array<LatencySamples, kLoadStateCount> states_;
-  Teleports teleports_;
+  CameraCuts camera_cuts_;
   PrefetchAccount prefetch_;
   EventLog events_;
   std::unique_ptr<LoadWorkers> workers_;  // last: its threads stop first
@@ -512,8 +512,8 @@ Status Streamer::advance(std::span<const View> views, double time_s) { return im
 void Streamer::observe(PagingObserver& observer) { impl_->observe(observer); }
 const WorldIndex& Streamer::index() const { return impl_->index(); }
 std::uint64_t Streamer::pool_words() const { return impl_->pool_words(); }
-std::span<const std::uint32_t> Streamer::cover() const { return impl_->pool().cover(); }
-std::uint64_t Streamer::cover_generation() const { return impl_->pool().cover_generation(); }
+std::span<const std::uint32_t> Streamer::rendered_cut() const { return impl_->pool().rendered_cut(); }
+std::uint64_t Streamer::rendered_cut_generation() const { return impl_->pool().rendered_cut_generation(); }
 bool Streamer::resident(std::uint32_t node) const {
   return node < impl_->index().nodes.size() && impl_->pool().nodes().resident(node);
 }

@@ -53,9 +53,9 @@ class Streamer {
   [[nodiscard]] std::uint64_t pool_words() const;
 
   // Resident nodes that together cover the whole world exactly once, sorted by id; valid until the next advance().
-  [[nodiscard]] std::span<const std::uint32_t> cover() const;
-  // Changes whenever the cover or the offset of a page in it changes.
-  [[nodiscard]] std::uint64_t cover_generation() const;
+  [[nodiscard]] std::span<const std::uint32_t> rendered_cut() const;
+  // Changes whenever the rendered cut or the offset of a page in it changes.
+  [[nodiscard]] std::uint64_t rendered_cut_generation() const;
   [[nodiscard]] bool resident(std::uint32_t node) const;
   // Of a resident node.
   [[nodiscard]] std::uint64_t page_offset_words(std::uint32_t node) const;

@@ -20,16 +20,16 @@ constexpr int kRounds = 2;
 // Places of texels stay within 16 bits.
 constexpr double kMaxTexelsPerStep = 0.45;
 
-class LookTable {
+class AppearanceTable {
  public:
-  explicit LookTable(ZoneAppearance& out) : out_(out) {}
+  explicit AppearanceTable(ZoneAppearance& out) : out_(out) {}
 
   // Nothing when the table is full.
-  std::optional<std::uint16_t> add(const gpu::Look& look) {
-    const auto [slot, is_new] = known_.try_emplace({look.material, look.place}, out_.looks.size());
+  std::optional<std::uint16_t> add(const gpu::Appearance& appearance) {
+    const auto [slot, is_new] = known_.try_emplace({appearance.material, appearance.place}, out_.appearances.size());
     if (is_new) {
-      if (out_.looks.size() == kZoneLooksMax) return std::nullopt;
-      out_.looks.push_back(look);
+      if (out_.appearances.size() == kZoneAppearancesMax) return std::nullopt;
+      out_.appearances.push_back(appearance);
     }
     return static_cast<std::uint16_t>(slot->second);
   }
@@ -43,7 +43,7 @@ std::uint32_t srgb_word(const glm::vec3& c) {
   return linear_to_srgb8(c.r) | std::uint32_t{linear_to_srgb8(c.g)} << 8U | std::uint32_t{linear_to_srgb8(c.b)} << 16U;
 }
 
-// So that blocks spend their bits on what is there; returns by how much, as gpu::Look has it.
+// So that blocks spend their bits on what is there; returns by how much, as gpu::Appearance has it.
 std::uint32_t brighten(std::span<glm::vec3> colors) {
   float most = 0;
   for (const glm::vec3& c : colors) most = std::max({most, c.r, c.g, c.b});
@@ -54,10 +54,10 @@ std::uint32_t brighten(std::span<glm::vec3> colors) {
   return gain;
 }
 
-class ZoneLooks {
+class AppearanceMaker {
  public:
-  ZoneLooks(const ZoneMesh& mesh, const NodeRecord& node, const TextureSource& source,
-            std::span<const Material> materials, double step_m)
+  AppearanceMaker(const ZoneMesh& mesh, const NodeRecord& node, const TextureSource& source,
+                  std::span<const Material> materials, double step_m)
       : mesh_(mesh), node_(node), source_(source), materials_(materials) {
     frame_.origin = {node.origin[0], node.origin[1], node.origin[2]};
     frame_.steps = std::exp2(node.step_shift);
@@ -165,13 +165,13 @@ class ZoneLooks {
 
   ZoneAppearance collect() {
     ZoneAppearance out;
-    LookTable table(out);
-    out.look_of.resize(mesh_.triangles.size());
-    for (std::size_t t = 0; t < out.look_of.size(); ++t)
-      if (const auto look = table.add({mesh_.materials[t], 0})) out.look_of[t] = *look;
+    AppearanceTable table(out);
+    out.appearance_of.resize(mesh_.triangles.size());
+    for (std::size_t t = 0; t < out.appearance_of.size(); ++t)
+      if (const auto appearance = table.add({mesh_.materials[t], 0})) out.appearance_of[t] = *appearance;
     const auto set = [&](const Chart& chart, std::uint32_t bits, std::uint32_t place) {
       for (const std::uint32_t t : chart.triangles)
-        if (const auto look = table.add({mesh_.materials[t] | bits, place})) out.look_of[t] = *look;
+        if (const auto appearance = table.add({mesh_.materials[t] | bits, place})) out.appearance_of[t] = *appearance;
     };
     std::vector<bool> pictured(charts_.size());
     for (std::size_t i = 0; i < in_atlas_.size(); ++i) {
@@ -183,12 +183,13 @@ class ZoneLooks {
         moved[axis] = static_cast<std::uint32_t>(static_cast<std::int32_t>(layout_->place[i][axis]) -
                                                  layout_->rasters[i].first[axis]);
       const std::uint32_t gain = brighten(texels_[in_atlas_[i]].colors);
-      set(chart, gpu::kLookTextured << 16U | chart.axis << 18U | gain << 23U, (moved[0] & 0xFFFFU) | moved[1] << 16U);
+      set(chart, gpu::kAppearanceTextured << 16U | chart.axis << 18U | gain << 23U,
+          (moved[0] & 0xFFFFU) | moved[1] << 16U);
     }
     for (std::size_t c = 0; c < charts_.size(); ++c)
       if (!pictured[c] && texels_[c].painted) {
         const std::uint32_t gain = brighten({&texels_[c].mean, 1});
-        set(charts_[c], gpu::kLookColor << 16U | gain << 23U, srgb_word(texels_[c].mean));
+        set(charts_[c], gpu::kAppearanceColor << 16U | gain << 23U, srgb_word(texels_[c].mean));
       }
     if (layout_) {
       std::vector<ChartTexels> texels;
@@ -218,9 +219,9 @@ class ZoneLooks {
 
 }  // namespace
 
-ZoneAppearance make_zone_looks(const ZoneMesh& mesh, const NodeRecord& node, const TextureSource& source,
-                               std::span<const Material> materials, double step_m, const AtlasOptions& options) {
-  return ZoneLooks(mesh, node, source, materials, step_m).run(options);
+ZoneAppearance make_zone_appearance(const ZoneMesh& mesh, const NodeRecord& node, const TextureSource& source,
+                                    std::span<const Material> materials, double step_m, const AtlasOptions& options) {
+  return AppearanceMaker(mesh, node, source, materials, step_m).run(options);
 }
 
 }  // namespace zc

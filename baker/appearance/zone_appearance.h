@@ -16,8 +16,8 @@ struct AtlasOptions {
   double texels_per_m = 16;      // no finer
 };
 
-// Looks, atlas and nothing else; empty when no triangle's material is textured. node: of the mesh.
-ZoneAppearance make_zone_looks(const ZoneMesh& mesh, const NodeRecord& node, const TextureSource& source,
-                               std::span<const Material> materials, double step_m, const AtlasOptions& options);
+// Appearances, atlas and nothing else; empty when no triangle's material is textured. node: of the mesh.
+ZoneAppearance make_zone_appearance(const ZoneMesh& mesh, const NodeRecord& node, const TextureSource& source,
+                                    std::span<const Material> materials, double step_m, const AtlasOptions& options);
 
 }  // namespace zc

@@ -32,7 +32,7 @@ Result<BuiltPage> lay_out_page(const WideTree& tree, const ZoneMesh& mesh, ZoneA
   ZC_ASSIGN(page.words, assemble_page(mesh, page.bvh, node, material_count, name));
   node.page_bytes = static_cast<std::uint32_t>(4 * page.words.size());
   const PageView::Parts parts = PageView(page.words).parts();
-  node.look_bytes = parts.look_bytes;
+  node.appearance_bytes = parts.appearance_bytes;
   node.light_bytes = parts.light_bytes;
   node.normal_bytes = parts.normal_bytes;
   node.texture_bytes = parts.texture_bytes;

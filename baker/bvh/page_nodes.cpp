@@ -69,7 +69,7 @@ class Layout {
   }
 
   // All of a node's triangles go into one cluster: a new one when the present one has no room for them, their vertices
-  // or their materials or looks.
+  // or their materials or appearances.
   void append() {
     if (!try_add()) {
       out_.clusters.push_back(static_cast<std::uint32_t>(out_.order.size()));
@@ -82,9 +82,9 @@ class Layout {
 
   bool try_add() {
     if (out_.order.size() - out_.clusters.back() + triangles_.size() > gpu::kClusterMaxTriangles) return false;
-    const std::vector<std::uint16_t>& looks = out_.appearance.look_of;
+    const std::vector<std::uint16_t>& appearances = out_.appearance.appearance_of;
     for (const std::uint32_t t : triangles_) {
-      if (!palette_.add(looks.empty() ? mesh_.materials[t] : looks[t])) return false;
+      if (!palette_.add(appearances.empty() ? mesh_.materials[t] : appearances[t])) return false;
       for (const std::uint32_t v : mesh_.triangles[t])
         if (!vertices_.add(mesh_.vertices[v])) return false;
     }

@@ -35,10 +35,10 @@ class NearestOfAll {
   const DistanceTriangle* operator()(const glm::dvec3& p, double& distance) const {
     const DistanceTriangle* found = nullptr;
     const std::size_t first = nearest_box(surfaces_, p);
-    surfaces_[first].bvh->nearest(p, kEveryLook, near_, found, distance, &work_);
+    surfaces_[first].bvh->nearest(p, kEveryAppearance, near_, found, distance, &work_);
     for (std::size_t i = 0; i < surfaces_.size() && distance > near_; ++i)
       if (i != first && surfaces_[i].bvh->distance_to_bounds(p) < distance)
-        surfaces_[i].bvh->nearest(p, kEveryLook, near_, found, distance, &work_);
+        surfaces_[i].bvh->nearest(p, kEveryAppearance, near_, found, distance, &work_);
     return found;
   }
 
@@ -57,10 +57,10 @@ double bound_triangle(const Corners& triangle, std::span<const DetailSurface> to
     const bool confirms = known <= promise && promise <= enough;
     if (confirms) enough = promise;
     const NearestOfAll nearest(to, kNear * enough, work);
-    const CoverLimits limits = {enough, kMargin * enough, kLeastPiece * enough, confirms ? kMorePieces : kPieces, false,
-                                &work};
-    const Cover found = cover(triangle, limits, nearest);
-    least = std::min(least, found.most);
+    const HausdorffLimits limits = {
+        enough, kMargin * enough, kLeastPiece * enough, confirms ? kMorePieces : kPieces, false, &work};
+    const HausdorffBound found = hausdorff_bound(triangle, limits, nearest);
+    least = std::min(least, found.bound);
     if (found.within || work.is_spent()) break;
     double reached = std::numeric_limits<double>::infinity();
     NearestOfAll(to, 0, work)(found.outside, reached);

@@ -55,7 +55,8 @@ double DistanceTriangle::distance(const glm::dvec3& p) const {
   return glm::distance(p, closest_on_triangle(p, a, ab, ac));
 }
 
-DistanceBvh::DistanceBvh(const LatticeMesh& mesh, std::span<const std::uint16_t> looks) : bounds_(bounds_of(mesh)) {
+DistanceBvh::DistanceBvh(const LatticeMesh& mesh, std::span<const std::uint16_t> appearances)
+    : bounds_(bounds_of(mesh)) {
   if (mesh.faces.empty()) return;
   const double bearable = kWaste * half_surface(bounds_) / static_cast<double>(mesh.faces.size());
   const std::vector<TrianglePiece> pieces = pieces_of(
@@ -116,17 +117,18 @@ DistanceBvh::DistanceBvh(const LatticeMesh& mesh, std::span<const std::uint16_t>
   triangles_.reserve(count);
   for (const std::uint32_t i : order) {
     const LatticeFace& face = mesh.faces[pieces[i].triangle];
-    const std::uint16_t look = looks.empty() ? std::uint16_t{0} : looks[face.material];
+    const std::uint16_t appearance = appearances.empty() ? std::uint16_t{0} : appearances[face.material];
     const glm::dvec3 a = to_dvec(mesh.vertices[face.v[0]]);
     const glm::dvec3 ab = to_dvec(mesh.vertices[face.v[1]]) - a;
     const glm::dvec3 ac = to_dvec(mesh.vertices[face.v[2]]) - a;
-    triangles_.push_back({a, ab, ac, glm::normalize(glm::cross(ab, ac)), face.material, look});
+    triangles_.push_back({a, ab, ac, glm::normalize(glm::cross(ab, ac)), face.material, appearance});
   }
   // Children follow their parents.
   for (std::size_t i = nodes_.size(); i-- > 0;) {
     Node& node = nodes_[i];
-    if (node.count == 0) node.looks = nodes_[node.first].looks | nodes_[node.first + 1].looks;
-    for (std::uint32_t t = node.first; t < node.first + node.count; ++t) node.looks |= look_bit(triangles_[t].look);
+    if (node.count == 0) node.appearances = nodes_[node.first].appearances | nodes_[node.first + 1].appearances;
+    for (std::uint32_t t = node.first; t < node.first + node.count; ++t)
+      node.appearances |= appearance_bit(triangles_[t].appearance);
   }
 }
 
@@ -159,7 +161,7 @@ void DistanceBvh::visit_near(const glm::dvec3& p, const Reach& reach, const Ente
     if (limit < 0) return;
     if (entry.squared > limit * limit) continue;
     const Node& node = nodes_[entry.node];
-    if (!enter(node.looks)) continue;
+    if (!enter(node.appearances)) continue;
     if (node.count == 0) {
       Entry near = {node.first, box_distance(node.first)};
       Entry far = {node.first + 1, box_distance(node.first + 1)};
@@ -174,12 +176,13 @@ void DistanceBvh::visit_near(const glm::dvec3& p, const Reach& reach, const Ente
   }
 }
 
-void DistanceBvh::nearest(const glm::dvec3& p, std::uint64_t looks, double enough, const DistanceTriangle*& triangle,
-                          double& distance, Work* work) const {
+void DistanceBvh::nearest(const glm::dvec3& p, std::uint64_t appearances, double enough,
+                          const DistanceTriangle*& triangle, double& distance, Work* work) const {
   visit_near(
-      p, [&] { return distance > enough ? distance : -1.0; }, [&](std::uint64_t bits) { return (bits & looks) != 0; },
+      p, [&] { return distance > enough ? distance : -1.0; },
+      [&](std::uint64_t bits) { return (bits & appearances) != 0; },
       [&](const DistanceTriangle& t) {
-        if ((look_bit(t.look) & looks) == 0 || distance <= enough) return;
+        if ((appearance_bit(t.appearance) & appearances) == 0 || distance <= enough) return;
         const double d = t.distance(p);
         if (d > distance || (d == distance && triangle != nullptr)) return;
         distance = d;
@@ -188,24 +191,26 @@ void DistanceBvh::nearest(const glm::dvec3& p, std::uint64_t looks, double enoug
       work);
 }
 
-double DistanceBvh::closest_of_look(const glm::dvec3& p, std::uint16_t look, double limit, double enough,
-                                    Work* work) const {
+double DistanceBvh::closest_of_appearance(const glm::dvec3& p, std::uint16_t appearance, double limit, double enough,
+                                          Work* work) const {
   visit_near(
       p, [&] { return limit > enough ? limit : -1.0; },
-      [&](std::uint64_t bits) { return (bits & look_bit(look)) != 0; },
+      [&](std::uint64_t bits) { return (bits & appearance_bit(appearance)) != 0; },
       [&](const DistanceTriangle& t) {
-        if (t.look == look) limit = std::min(limit, t.distance(p));
+        if (t.appearance == appearance) limit = std::min(limit, t.distance(p));
       },
       work);
   return limit;
 }
 
-std::uint64_t DistanceBvh::looks_within(const glm::dvec3& p, double radius, std::uint64_t known, Work* work) const {
+std::uint64_t DistanceBvh::appearances_within(const glm::dvec3& p, double radius, std::uint64_t known,
+                                              Work* work) const {
   std::uint64_t found = known;
   visit_near(
       p, [&] { return radius; }, [&](std::uint64_t bits) { return (bits & ~found) != 0; },
       [&](const DistanceTriangle& t) {
-        if ((look_bit(t.look) & ~found) != 0 && t.distance(p) <= radius) found |= look_bit(t.look);
+        if ((appearance_bit(t.appearance) & ~found) != 0 && t.distance(p) <= radius)
+          found |= appearance_bit(t.appearance);
       },
       work);
   return found;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Closest point on a triangle mesh, exact up to rounding. Source: Ericson, Real-Time Collision Detection (2005), 5.1.5.
-// Closest triangles of one look are found as fast where the looks are given at construction.
+// Closest triangles of one appearance are found as fast where the appearances are given at construction.
 // Borrows nothing: copies what it needs. Units: steps. Thread-safe once built.
 #pragma once
 
@@ -23,26 +23,28 @@ struct ClosestHit {
 struct DistanceTriangle {
   glm::dvec3 a, ab, ac, normal;
   std::uint16_t material = 0;
-  std::uint16_t look = 0;
+  std::uint16_t appearance = 0;
 
   [[nodiscard]] double distance(const glm::dvec3& p) const;
 };
 
-// One bit a look; looks 64 apart share one.
-inline std::uint64_t look_bit(std::uint16_t look) { return std::uint64_t{1} << (look % 64U); }
-inline constexpr std::uint64_t kEveryLook = ~std::uint64_t{0};
+// One bit a appearance; looks 64 apart share one.
+inline std::uint64_t appearance_bit(std::uint16_t appearance) { return std::uint64_t{1} << (appearance % 64U); }
+inline constexpr std::uint64_t kEveryAppearance = ~std::uint64_t{0};
 
 // Queries end when `work` is spent, with the best that they found until then, at least of one leaf near by: distances
 // are then bounds from above, and looks may be missing.
 class DistanceBvh {
  public:
   DistanceBvh() = default;
-  // looks: per material; none: all are of look 0.
-  explicit DistanceBvh(const LatticeMesh& mesh, std::span<const std::uint16_t> looks = {});
+  // appearances: per material; none: all are of appearance 0.
+  explicit DistanceBvh(const LatticeMesh& mesh, std::span<const std::uint16_t> appearances = {});
 
   [[nodiscard]] bool empty() const { return triangles_.empty(); }
   [[nodiscard]] const LatticeBox& bounds() const { return bounds_; }
-  [[nodiscard]] bool may_have(std::uint16_t look) const { return !empty() && (nodes_[0].looks & look_bit(look)) != 0; }
+  [[nodiscard]] bool may_have(std::uint16_t appearance) const {
+    return !empty() && (nodes_[0].appearances & appearance_bit(appearance)) != 0;
+  }
   [[nodiscard]] double distance_to_bounds(const glm::dvec3& p) const;
 
   // Improves `best` (start with an infinite distance); what is within `tie` / 2 steps is close enough. Of triangles
@@ -50,30 +52,31 @@ class DistanceBvh {
   // several. Of very many, some are looked at.
   void closest(const glm::dvec3& p, const glm::dvec3& normal, double tie, ClosestHit& best, Work* work = nullptr) const;
 
-  // The closest triangle whose look is among the bits of `looks`, or any within `enough`; sets `distance`, or leaves
-  // both when none is nearer.
-  void nearest(const glm::dvec3& p, std::uint64_t looks, double enough, const DistanceTriangle*& triangle,
+  // The closest triangle whose look is among the bits of `appearances`, or any within `enough`; sets `distance`, or
+  // leaves both when none is nearer.
+  void nearest(const glm::dvec3& p, std::uint64_t appearances, double enough, const DistanceTriangle*& triangle,
                double& distance, Work* work = nullptr) const;
 
-  // Distance to the closest triangle of `look`, or to any within `enough`, or `limit` when none is nearer than that.
-  [[nodiscard]] double closest_of_look(const glm::dvec3& p, std::uint16_t look, double limit, double enough = 0,
-                                       Work* work = nullptr) const;
+  // Distance to the closest triangle of `appearance`, or to any within `enough`, or `limit` when none is nearer than
+  // that.
+  [[nodiscard]] double closest_of_appearance(const glm::dvec3& p, std::uint16_t appearance, double limit,
+                                             double enough = 0, Work* work = nullptr) const;
 
-  // Bits of all looks within `radius`, with those that are known to be.
-  [[nodiscard]] std::uint64_t looks_within(const glm::dvec3& p, double radius, std::uint64_t known = 0,
-                                           Work* work = nullptr) const;
+  // Bits of all appearances within `radius`, with those that are known to be.
+  [[nodiscard]] std::uint64_t appearances_within(const glm::dvec3& p, double radius, std::uint64_t known = 0,
+                                                 Work* work = nullptr) const;
 
  private:
   struct Node {
     glm::vec3 min;
     glm::vec3 max;
-    std::uint32_t first = 0;  // left child (right follows) or first triangle
-    std::uint32_t count = 0;  // 0: inner
-    std::uint64_t looks = 0;  // bits of all in it
+    std::uint32_t first = 0;        // left child (right follows) or first triangle
+    std::uint32_t count = 0;        // 0: inner
+    std::uint64_t appearances = 0;  // bits of all in it
   };
 
   // Calls visit(triangle) for the triangles of every leaf whose box is within reach() of p and that passes
-  // enter(look bits), nearest boxes first.
+  // enter(appearance bits), nearest boxes first.
   template <class Reach, class Enter, class Visit>
   void visit_near(const glm::dvec3& p, const Reach& reach, const Enter& enter, const Visit& visit, Work* work) const;
 

@@ -94,8 +94,8 @@ double offset_at_corners(const DistanceTriangle& t) {
 }
 
 // The wide margin first: it leaves the least, but is too much at sharp corners.
-bool cut_away(const Corners& piece, const DistanceTriangle& t, const CoverLimits& limits, std::vector<Corners>& pieces,
-              double& most) {
+bool cut_away(const Corners& piece, const DistanceTriangle& t, const HausdorffLimits& limits,
+              std::vector<Corners>& pieces, double& most) {
   return cut_away(piece, t, limits.margin, limits.enough, pieces, most) ||
          cut_away(piece, t, limits.margin * offset_at_corners(t), limits.enough, pieces, most);
 }
@@ -117,9 +117,9 @@ Corners corners_of(const LatticeMesh& mesh, const LatticeFace& face) {
   return out;
 }
 
-Cover cover(const Corners& triangle, const CoverLimits& limits,
-            const std::function<const DistanceTriangle*(const glm::dvec3&, double&)>& nearest) {
-  Cover out;
+HausdorffBound hausdorff_bound(const Corners& triangle, const HausdorffLimits& limits,
+                               const std::function<const DistanceTriangle*(const glm::dvec3&, double&)>& nearest) {
+  HausdorffBound out;
   // Breadth first: what is far outside shows itself in the large pieces.
   std::vector<Corners> pieces = {triangle};
   double farthest_center = 0;
@@ -131,7 +131,7 @@ Cover cover(const Corners& triangle, const CoverLimits& limits,
     if (hint != nullptr) {
       const double most = farthest(piece, *hint);
       if (most <= limits.enough) {
-        out.most = std::max(out.most, most);
+        out.bound = std::max(out.bound, most);
         continue;
       }
     }
@@ -151,11 +151,11 @@ Cover cover(const Corners& triangle, const CoverLimits& limits,
       hint = found;
     }
     if (most <= limits.enough) {
-      out.most = std::max(out.most, most);
+      out.bound = std::max(out.bound, most);
       continue;
     }
     const bool has_room = pieces.size() < limits.pieces && !is_spent;
-    if (has_room && found != nullptr && cut_away(piece, *found, limits, pieces, out.most)) continue;
+    if (has_room && found != nullptr && cut_away(piece, *found, limits, pieces, out.bound)) continue;
     std::size_t longest = 0;
     std::array<double, 3> sides;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -164,7 +164,7 @@ Cover cover(const Corners& triangle, const CoverLimits& limits,
     }
     const bool stops = limits.stop_outside && distance > limits.enough;
     if (stops || !has_room || sides[longest] <= limits.least_piece) {
-      out.most = std::max(out.most, most);
+      out.bound = std::max(out.bound, most);
       if (out.within || distance > farthest_center) out.outside = center;
       farthest_center = std::max(farthest_center, distance);
       out.within = false;

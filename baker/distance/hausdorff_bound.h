@@ -19,7 +19,7 @@ using Corners = std::array<glm::dvec3, 3>;
 
 Corners corners_of(const LatticeMesh& mesh, const LatticeFace& face);
 
-struct CoverLimits {
+struct HausdorffLimits {
   double enough = 0;          // distances up to this need not be told apart
   double margin = 0;          // how far beyond its sides a triangle of the surface is taken to cover: less than enough
   double least_piece = 1;     // pieces with shorter sides are not halved
@@ -28,14 +28,14 @@ struct CoverLimits {
   Work* work = nullptr;       // when it is spent, pieces are not halved any more; one a piece is added to it
 };
 
-struct Cover {
-  double most = 0;          // no point of the triangle is farther
+struct HausdorffBound {
+  double bound = 0;         // no point of the triangle is farther
   glm::dvec3 outside = {};  // farthest centre of the pieces that are not known to be within `enough`, if any
   bool within = true;       // no such piece
 };
 
 // nearest(p, distance): the surface's triangle closest to p, or null; sets how far it is.
-Cover cover(const Corners& triangle, const CoverLimits& limits,
-            const std::function<const DistanceTriangle*(const glm::dvec3&, double&)>& nearest);
+HausdorffBound hausdorff_bound(const Corners& triangle, const HausdorffLimits& limits,
+                               const std::function<const DistanceTriangle*(const glm::dvec3&, double&)>& nearest);
 
 }  // namespace zc

@@ -22,10 +22,10 @@ constexpr std::size_t kSamplesMax = 20000;
 constexpr std::size_t kVerticesMax = 20000;
 constexpr double kTieSteps = 1.0;
 constexpr std::size_t kBlock = 512;  // samples that share the work they may take
-// Twice what the hardest take of the cities that we know. Looks have their own, so that one that is nowhere near leaves
-// no distance loose.
+// Twice what the hardest take of the cities that we know. Appearances have their own, so that one that is nowhere near
+// leaves no distance loose.
 constexpr std::uint64_t kBlockWork = 1'000'000;
-constexpr std::uint64_t kBlockLookWork = 400'000;
+constexpr std::uint64_t kBlockAppearanceWork = 400'000;
 
 struct Sample {
   glm::dvec3 point;
@@ -83,14 +83,14 @@ ClosestHit closest_of(std::span<const DetailSurface> surfaces, const Sample& sam
   return best;
 }
 
-// Distance from p to the nearest surface of a look, or to any within `enough`, or `limit`.
-double look_distance(std::span<const DetailSurface> surfaces, const glm::dvec3& p, std::uint16_t look, double limit,
-                     double enough, Work& work) {
+// Distance from p to the nearest surface of a appearance, or to any within `enough`, or `limit`.
+double appearance_distance(std::span<const DetailSurface> surfaces, const glm::dvec3& p, std::uint16_t appearance,
+                           double limit, double enough, Work& work) {
   const std::size_t first = nearest_box(surfaces, p);
-  limit = surfaces[first].bvh->closest_of_look(p, look, limit, enough, &work);
+  limit = surfaces[first].bvh->closest_of_appearance(p, appearance, limit, enough, &work);
   for (std::size_t i = 0; i < surfaces.size() && limit > enough; ++i)
-    if (i != first && surfaces[i].bvh->may_have(look) && surfaces[i].bvh->distance_to_bounds(p) < limit)
-      limit = surfaces[i].bvh->closest_of_look(p, look, limit, enough, &work);
+    if (i != first && surfaces[i].bvh->may_have(appearance) && surfaces[i].bvh->distance_to_bounds(p) < limit)
+      limit = surfaces[i].bvh->closest_of_appearance(p, appearance, limit, enough, &work);
   return limit;
 }
 
@@ -108,30 +108,30 @@ struct Sums {
 // `own`: the side that the samples lie on; `surfaces`: the other side.
 void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> own,
              std::span<const DetailSurface> surfaces, std::span<const Material> materials,
-             std::span<const std::uint16_t> looks, Sums& sums) {
+             std::span<const std::uint16_t> appearances, Sums& sums) {
   std::vector<ClosestHit> hits(samples.size());
-  std::vector<double> appearance(samples.size(), 0.0);
+  std::vector<double> appearance_m(samples.size(), 0.0);
   struct BlockWork {
     std::uint64_t done = 0;
     bool is_spent = false;
   };
   std::vector<BlockWork> blocks((samples.size() + kBlock - 1) / kBlock);
   tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
-    Work work{kBlockWork}, look_work{kBlockLookWork};
+    Work work{kBlockWork}, appearance_work{kBlockAppearanceWork};
     double largest = 0;  // of this block: a sample that cannot exceed it needs no exact distance
     for (std::size_t i = block * kBlock; i < std::min(samples.size(), (block + 1) * kBlock); ++i) {
       hits[i] = closest_of(surfaces, samples[i], work);
-      const std::uint16_t look = looks[samples[i].material];
-      const std::uint16_t seen = looks[hits[i].material];
-      if (samples[i].is_vertex || look == seen) continue;
-      const double here =
-          look_distance(own, samples[i].point, seen, std::numeric_limits<double>::infinity(), largest, look_work);
+      const std::uint16_t appearance = appearances[samples[i].material];
+      const std::uint16_t seen = appearances[hits[i].material];
+      if (samples[i].is_vertex || appearance == seen) continue;
+      const double here = appearance_distance(own, samples[i].point, seen, std::numeric_limits<double>::infinity(),
+                                              largest, appearance_work);
       if (here <= largest) continue;
-      appearance[i] = look_distance(surfaces, samples[i].point, look, here, largest, look_work);
-      if (!std::isfinite(appearance[i])) appearance[i] = hits[i].distance;
-      largest = std::max(largest, appearance[i]);
+      appearance_m[i] = appearance_distance(surfaces, samples[i].point, appearance, here, largest, appearance_work);
+      if (!std::isfinite(appearance_m[i])) appearance_m[i] = hits[i].distance;
+      largest = std::max(largest, appearance_m[i]);
     }
-    blocks[block] = {work.done + look_work.done, work.is_spent() || look_work.is_spent()};
+    blocks[block] = {work.done + appearance_work.done, work.is_spent() || appearance_work.is_spent()};
   });
   for (const BlockWork& block : blocks) {
     sums.work += block.done;
@@ -140,7 +140,7 @@ void compare(const std::vector<Sample>& samples, std::span<const DetailSurface> 
   // Summed in order: the same result at any thread count.
   for (std::size_t i = 0; i < samples.size(); ++i) {
     sums.max = std::max(sums.max, hits[i].distance);
-    sums.appearance = std::max(sums.appearance, appearance[i]);
+    sums.appearance = std::max(sums.appearance, appearance_m[i]);
     if (samples[i].is_vertex) continue;
     ++sums.count;
     sums.distance += hits[i].distance;
@@ -187,30 +187,30 @@ SurfaceError ErrorSum::joint() const {
   return error;
 }
 
-std::vector<std::uint16_t> look_classes(std::span<const Material> materials) {
+std::vector<std::uint16_t> appearance_classes(std::span<const Material> materials) {
   constexpr float kColorApart = 0.08F;
   constexpr float kRoughnessApart = 0.2F;
   constexpr float kMetallicApart = 0.5F;
-  std::vector<std::uint16_t> looks;
+  std::vector<std::uint16_t> appearances;
   std::vector<const Material*> first_of_class;
   for (const Material& material : materials) {
-    std::size_t look = 0;
-    for (; look < first_of_class.size(); ++look) {
-      const Material& other = *first_of_class[look];
+    std::size_t appearance = 0;
+    for (; appearance < first_of_class.size(); ++appearance) {
+      const Material& other = *first_of_class[appearance];
       const glm::vec3 d = glm::abs(material.base_color - other.base_color);
       if (std::max({d.x, d.y, d.z}) < kColorApart && std::abs(material.roughness - other.roughness) < kRoughnessApart &&
           std::abs(material.metallic - other.metallic) < kMetallicApart)
         break;
     }
-    if (look == first_of_class.size()) first_of_class.push_back(&material);
-    looks.push_back(static_cast<std::uint16_t>(look));
+    if (appearance == first_of_class.size()) first_of_class.push_back(&material);
+    appearances.push_back(static_cast<std::uint16_t>(appearance));
   }
-  return looks;
+  return appearances;
 }
 
 SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurface> detail,
-                           std::span<const Material> materials, std::span<const std::uint16_t> looks, double step_m,
-                           double promise_m) {
+                           std::span<const Material> materials, std::span<const std::uint16_t> appearances,
+                           double step_m, double promise_m) {
   std::vector<Sample> from_proxy;
   add_area_samples(proxy, area_of(proxy), sample_count(proxy.faces.size()), from_proxy);
   add_vertex_samples(proxy, kVerticesMax, from_proxy);
@@ -237,12 +237,12 @@ SurfaceError measure_proxy(const LatticeMesh& proxy, std::span<const DetailSurfa
                        from_detail);
   }
 
-  const DistanceBvh proxy_bvh(proxy, looks);
+  const DistanceBvh proxy_bvh(proxy, appearances);
   const DetailSurface proxy_surface = {&proxy, &proxy_bvh};
   Sums sums;
   const std::span<const DetailSurface> proxy_side(&proxy_surface, 1);
-  compare(from_proxy, proxy_side, detail, materials, looks, sums);
-  compare(from_detail, detail, proxy_side, materials, looks, sums);
+  compare(from_proxy, proxy_side, detail, materials, appearances, sums);
+  compare(from_detail, detail, proxy_side, materials, appearances, sums);
   SurfaceError error;
   const double count = static_cast<double>(std::max<std::size_t>(sums.count, 1));
   double moved = 0;

@@ -8,10 +8,10 @@
 namespace zc {
 
 struct Work {
-  std::uint64_t most = UINT64_MAX;
+  std::uint64_t limit = UINT64_MAX;
   std::uint64_t done = 0;
 
-  [[nodiscard]] bool is_spent() const { return done >= most; }
+  [[nodiscard]] bool is_spent() const { return done >= limit; }
 };
 
 }  // namespace zc

@@ -76,11 +76,11 @@ class Exterior {
       if (!mesh_.faces[f].ground) sides.push_back(2 * f);
     // Most faces are seen at once from their fronts; what few rays leave sealed is looked at with many.
     rows_most_ = kFewRows;
-    look(sides);
-    while (!(sides = unknown_sides()).empty()) look(sides);
+    appearance(sides);
+    while (!(sides = unknown_sides()).empty()) appearance(sides);
     rows_most_ = kManyRows;
     seen_.assign(seen_.size(), false);
-    while (!(sides = unknown_sides()).empty()) look(sides);
+    while (!(sides = unknown_sides()).empty()) appearance(sides);
     std::vector<bool> out(faces);
     for (std::uint32_t f = 0; f < faces; ++f)
       out[f] = mesh_.faces[f].ground || spaces_.is_open(2 * f) || spaces_.is_open(2 * f + 1);
@@ -103,7 +103,7 @@ class Exterior {
     return out;
   }
 
-  void look(const std::vector<std::uint32_t>& sides) {
+  void appearance(const std::vector<std::uint32_t>& sides) {
     for (const std::uint32_t side : sides) seen_[side] = true;
     std::vector<std::vector<Pair>> met((sides.size() + kBlock - 1) / kBlock);
     for_each_on_threads(met.size(), threads_, [&](std::size_t block) {

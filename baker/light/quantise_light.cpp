@@ -21,7 +21,7 @@ void take(std::uint32_t& value, std::uint32_t neighbour, std::uint32_t most) {
 }
 
 // To the middle of its step; what sees all of the sky stays so.
-std::uint32_t quiet_sky(std::uint32_t sky) {
+std::uint32_t quantise_sky(std::uint32_t sky) {
   std::uint32_t out = 0;
   for (unsigned k = 0; k < 3; ++k) {
     const std::uint32_t value = sky >> (8 * k) & 0xFFU;
@@ -33,11 +33,11 @@ std::uint32_t quiet_sky(std::uint32_t sky) {
 
 }  // namespace
 
-void quiet_light(const ZoneMesh& mesh, std::span<gpu::TriangleLight> light) {
+void quantise_light(const ZoneMesh& mesh, std::span<gpu::TriangleLight> light) {
   LightOrder order(mesh);
   for (std::uint32_t t = 0; t < light.size(); ++t) {
     const LightOrder::Place place = order.place(t);
-    const std::uint32_t sky = quiet_sky(light[t].sky);
+    const std::uint32_t sky = quantise_sky(light[t].sky);
     BouncedLight bounce(light[t]);
     if (place.neighbour != LightOrder::kNone) {
       const BouncedLight other(light[place.neighbour]);

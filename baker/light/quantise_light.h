@@ -12,6 +12,6 @@
 namespace zc {
 
 // Per triangle of `mesh`.
-void quiet_light(const ZoneMesh& mesh, std::span<gpu::TriangleLight> light);
+void quantise_light(const ZoneMesh& mesh, std::span<gpu::TriangleLight> light);
 
 }  // namespace zc

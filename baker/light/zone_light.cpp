@@ -396,7 +396,7 @@ glm::vec3 sun_direction(const SunAngles& sun) {
 std::vector<gpu::TriangleLight> bake_zone_light(const ZoneMesh& mesh, const NodeRecord& node, const LightScene& scene,
                                                 const std::optional<SunAngles>& sun, double step_m) {
   std::vector<gpu::TriangleLight> light = ZoneLight(mesh, node, scene, sun, step_m).run();
-  quiet_light(mesh, light);
+  quantise_light(mesh, light);
   return light;
 }
 

@@ -141,7 +141,7 @@ void add_stand_ins(const LatticeMesh& source, double enough, std::size_t budget,
     glm::dvec3 center(0);
     for (const std::uint32_t v : source.faces[f].v)
       for (int axis = 0; axis < 3; ++axis) center[axis] += source.vertices[v][static_cast<std::size_t>(axis)] / 3.0;
-    const double distance = left.closest_of_look(center, 0, std::numeric_limits<double>::infinity());
+    const double distance = left.closest_of_appearance(center, 0, std::numeric_limits<double>::infinity());
     if (distance > enough) lost.push_back({f, center, distance});
   }
   const auto nearer = [](const Lost& a, const Lost& b) { return a.distance < b.distance; };
@@ -152,7 +152,7 @@ void add_stand_ins(const LatticeMesh& source, double enough, std::size_t budget,
     budget -= stand_in.faces.size();
     append(mesh, stand_in);
     const DistanceBvh added(stand_in);
-    for (Lost& other : lost) other.distance = added.closest_of_look(other.center, 0, other.distance);
+    for (Lost& other : lost) other.distance = added.closest_of_appearance(other.center, 0, other.distance);
     // The face itself is stood in for, wherever its centre is.
     std::erase_if(lost, [&](const Lost& l) { return l.face == farthest.face || l.distance <= enough; });
   }

@@ -23,7 +23,8 @@ struct Sum {
 };
 
 std::uint64_t coded_bytes(const DiskParts& parts) {  // without frames and atlases
-  return parts.mesh + parts.bvh.tree + parts.bvh.materials + parts.bvh.looks + parts.bvh.light + parts.bvh.normals;
+  return parts.mesh + parts.bvh.tree + parts.bvh.materials + parts.bvh.appearances + parts.bvh.light +
+         parts.bvh.normals;
 }
 
 }  // namespace
@@ -46,7 +47,7 @@ std::vector<LeftOut> count_left_out(const WorldIndex& index, const DiskParts& pr
     normals.page_bytes += sizeof(gpu::TriangleNormals) * flat;
     texcoords.count += node.reference_count;
     texcoords.page_bytes += kTexcoordBytes * node.reference_count;
-    texcoords.page_bytes -= std::min<std::uint64_t>(node.look_bytes, texcoords.page_bytes);
+    texcoords.page_bytes -= std::min<std::uint64_t>(node.appearance_bytes, texcoords.page_bytes);
     if (input.light && node.light_bytes == 0) {
       ++light.count;
       light.page_bytes += sizeof(gpu::TriangleLight) * std::uint64_t{node.reference_count};

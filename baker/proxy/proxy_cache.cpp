@@ -116,7 +116,11 @@ CacheKey leaf_key(const SimplifyContext& context, const Zone& zone) {
   hash.add(std::span<const LatticePoint>(zone.detail.vertices)).add(std::span<const std::byte>(faces));
   for (const std::uint16_t m : used) {
     const Material& material = context.materials[m];
-    hash.add(m).add(context.looks[m]).add(material.base_color.r).add(material.base_color.g).add(material.base_color.b);
+    hash.add(m)
+        .add(context.appearances[m])
+        .add(material.base_color.r)
+        .add(material.base_color.g)
+        .add(material.base_color.b);
     hash.add(material.roughness).add(material.metallic);
   }
   return hash.key();

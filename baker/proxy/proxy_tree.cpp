@@ -104,8 +104,8 @@ class Builder {
     moved.max_m = zone.most_moved() * context_.step_m;
     if (state.detail.step_shift == 0) return;
     const DetailSurface surface = detail_surface(i);
-    moved =
-        measure_proxy(state.detail.mesh, std::span(&surface, 1), context_.materials, context_.looks, context_.step_m);
+    moved = measure_proxy(state.detail.mesh, std::span(&surface, 1), context_.materials, context_.appearances,
+                          context_.step_m);
     if (moved.is_loose && state.detail.mesh.faces.size() == zone.detail.faces.size())
       moved.max_m = std::min(
           moved.max_m, rounding_m(context_.step_m, state.detail.step_shift) + zone.most_moved() * context_.step_m);
@@ -190,7 +190,7 @@ class Builder {
 
   // One caller at a time for a leaf: inner zones of one depth have none in common.
   DetailSurface detail_surface(std::size_t leaf) {
-    if (states_[leaf].bvh.empty()) states_[leaf].bvh = DistanceBvh(tree_.zones[leaf].detail, context_.looks);
+    if (states_[leaf].bvh.empty()) states_[leaf].bvh = DistanceBvh(tree_.zones[leaf].detail, context_.appearances);
     return {&tree_.zones[leaf].detail, &states_[leaf].bvh, tree_.zones[leaf].most_moved()};
   }
 

@@ -113,8 +113,9 @@ Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Prox
     LatticeMesh mesh;
     for (const bool ground : {true, false}) {
       LatticeMesh part = part_of(rounded.mesh, ground);
-      const Collapsed collapsed = collapse_vertices(part, locked_vertices(*context.grid, zone, part), context.looks,
-                                                    {rest - zone.moved[ground ? 1 : 0], kLeafNormalTurnDeg, 0});
+      const Collapsed collapsed =
+          collapse_vertices(part, locked_vertices(*context.grid, zone, part), context.appearances,
+                            {rest - zone.moved[ground ? 1 : 0], kLeafNormalTurnDeg, 0});
       append(mesh, collapsed.mesh);
       out.work += collapsed.work.done;
       out.is_bounded = out.is_bounded || collapsed.work.is_spent();
@@ -130,8 +131,8 @@ Proxy simplify_leaf(const SimplifyContext& context, const Zone& zone, const Prox
     round_to_step(out.mesh, out.step_shift);
     keeps_bound = false;
   }
-  out.error =
-      measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.looks, context.step_m, context.error_m);
+  out.error = measure_proxy(out.mesh, std::span(&detail, 1), context.materials, context.appearances, context.step_m,
+                            context.error_m);
   add_work(out);
   if (keeps_bound) out.error.max_m = std::min(out.error.max_m, context.error_m);
   return out;
@@ -186,7 +187,7 @@ std::optional<Proxy> simplify_inner(const SimplifyContext& context, const Zone& 
   out.step_shift = step_shift_for_box(bounds_of(out.mesh));
   round_to_step(out.mesh, out.step_shift);
   if (out.mesh.faces.empty()) return std::nullopt;
-  out.error = measure_proxy(out.mesh, detail, context.materials, context.looks, context.step_m);
+  out.error = measure_proxy(out.mesh, detail, context.materials, context.appearances, context.step_m);
   add_work(out);
   // Refinement must never raise the promised error.
   out.error.max_m = std::max(out.error.max_m, child_error_m);

@@ -24,7 +24,7 @@ struct Proxy {
 struct SimplifyContext {
   const CellGrid* grid = nullptr;
   std::span<const Material> materials;
-  std::span<const std::uint16_t> looks;  // look_classes(materials)
+  std::span<const std::uint16_t> appearances;  // appearance_classes(materials)
   double step_m = 0;
   double error_m = 0;                // bound of leaf proxies
   std::uint32_t leaf_triangles = 0;  // hard bound of the root, target elsewhere

@@ -20,22 +20,23 @@ constexpr double kSamplesPerFace = 4;   // of those in faces and on edges, on av
 constexpr double kBorderWeight = 0.1;   // of a border edge's square, against areas
 constexpr double kLengthWeight = 1e-3;  // of a collapse's squared length: settles what costs nothing else
 constexpr double kLeastArea = 0.25;     // squared length of a cross product: half a square step is the least there is
-constexpr std::uint32_t kCoverPieces = 2000;
+constexpr std::uint32_t kBoundPieces = 2000;
 constexpr std::uint32_t kCheckPieces = 20000;
 constexpr std::uint32_t kStarPieces = 100;
 constexpr double kStarNear = 0.1;        // of the tolerance
 constexpr double kStarMargin = 0.02;     // of that
 constexpr std::size_t kStarFaces = 512;  // what has more around it is not worth the time
 constexpr std::size_t kFewTargets = 32;
-constexpr std::size_t kStarWork = 50000;   // nor is what takes more distances, with more faces than a few
-constexpr double kMargin = 0.5;            // of the tolerance
-constexpr double kLeastPiece = 0.03;       // of the tolerance
-constexpr double kSampleTolerance = 0.97;  // of the tolerance: a piece around a sample is then within it
-constexpr double kLookTolerance = 0.25;    // of the tolerance: narrower stripes may take the look beside them
-constexpr double kNear = 0.01;             // of the tolerance: no need to look for what is nearer still
-constexpr double kWide = 1;                // tolerances
+constexpr std::size_t kStarWork = 50000;       // nor is what takes more distances, with more faces than a few
+constexpr double kMargin = 0.5;                // of the tolerance
+constexpr double kLeastPiece = 0.03;           // of the tolerance
+constexpr double kSampleTolerance = 0.97;      // of the tolerance: a piece around a sample is then within it
+constexpr double kAppearanceTolerance = 0.25;  // of the tolerance: narrower stripes may take the appearance beside them
+constexpr double kNear = 0.01;                 // of the tolerance: no need to look for what is nearer still
+constexpr double kWide = 1;                    // tolerances
 constexpr int kRounds = 6;
-constexpr std::uint64_t kLooksAWork = 8;  // looks at a face of a list are so many times cheaper than at one of a tree
+constexpr std::uint64_t kFaceVisitsPerWork =
+    8;  // looks at a face of a list are so many times cheaper than at one of a tree
 // Twice what the zones of the cities that we know take at most: seven million with 635 faces, ten with 2,968.
 constexpr std::uint64_t kLeastWork = 16'000'000;
 constexpr std::uint64_t kWorkPerFace = 8'000;
@@ -45,8 +46,8 @@ using Vertex = std::uint32_t;
 
 struct Sample {
   glm::dvec3 point;
-  std::uint64_t looks = 0;  // that it may be given: those of the reference nearby
-  Face face = 0;            // of the reference
+  std::uint64_t appearances = 0;  // that it may be given: those of the reference nearby
+  Face face = 0;                  // of the reference
 };
 
 struct Edge {
@@ -109,8 +110,13 @@ double narrowest(const Corners& c) {
 // What stays the same while vertices collapse: the input, a tree over it, its samples.
 class Reference {
  public:
-  Reference(const LatticeMesh& mesh, std::span<const std::uint16_t> looks, double tolerance, Work& work)
-      : work_(work), mesh_(mesh), looks_(looks), bvh_(mesh, looks), tolerance_(tolerance), edges_(sorted_edges(mesh)) {
+  Reference(const LatticeMesh& mesh, std::span<const std::uint16_t> appearances, double tolerance, Work& work)
+      : work_(work),
+        mesh_(mesh),
+        appearances_(appearances),
+        bvh_(mesh, appearances),
+        tolerance_(tolerance),
+        edges_(sorted_edges(mesh)) {
     double area = 0;
     for (const LatticeFace& face : mesh.faces) area += face_area(mesh, face);
     LatticeMesh wide;
@@ -157,7 +163,9 @@ class Reference {
   }
 
   void add_sample(const glm::dvec3& p, Face face) {
-    samples_.push_back({p, bvh_.looks_within(p, kLookTolerance * tolerance_, look_bit(look(face)), &work_), face});
+    samples_.push_back(
+        {p, bvh_.appearances_within(p, kAppearanceTolerance * tolerance_, appearance_bit(appearance(face)), &work_),
+         face});
   }
 
   [[nodiscard]] const LatticeMesh& mesh() const { return mesh_; }
@@ -166,15 +174,15 @@ class Reference {
   [[nodiscard]] const std::vector<Sample>& samples() const { return samples_; }
   [[nodiscard]] double tolerance() const { return tolerance_; }
   [[nodiscard]] bool is_at_wide_faces(const glm::dvec3& p) const {
-    return wide_.closest_of_look(p, 0, 2 * tolerance_, 0, &work_) <= tolerance_;
+    return wide_.closest_of_appearance(p, 0, 2 * tolerance_, 0, &work_) <= tolerance_;
   }
-  [[nodiscard]] std::uint16_t look(Face f) const { return looks_[mesh_.faces[f].material]; }
+  [[nodiscard]] std::uint16_t appearance(Face f) const { return appearances_[mesh_.faces[f].material]; }
   [[nodiscard]] glm::dvec3 point(Vertex v) const { return to_dvec(mesh_.vertices[v]); }
 
  private:
   Work& work_;
   const LatticeMesh& mesh_;
-  std::span<const std::uint16_t> looks_;
+  std::span<const std::uint16_t> appearances_;
   DistanceBvh bvh_;
   DistanceBvh wide_;  // of faces that are no part of a bar
   double tolerance_;
@@ -271,10 +279,10 @@ class Collapser {
     return {vertices_[v[0]].point, vertices_[v[1]].point, vertices_[v[2]].point};
   }
 
-  // Open edges and edges between looks keep their course.
+  // Open edges and edges between appearances keep their course.
   void hold_border(std::span<const Edge> edge) {
     bool border = edge.size() == 1;
-    for (const Edge& e : edge) border = border || reference_.look(e.face) != reference_.look(edge[0].face);
+    for (const Edge& e : edge) border = border || reference_.appearance(e.face) != reference_.appearance(edge[0].face);
     if (!border) return;
     const glm::dvec3 a = vertices_[edge[0].low].point;
     const glm::dvec3 ab = vertices_[edge[0].high].point - a;
@@ -312,7 +320,7 @@ class Collapser {
     const double narrow = options_.tolerance;
     for (const Face f : vertices_[u].faces) {
       const FaceState& face = faces_[f];
-      work_.done += 1 + (vertices_[v].faces.size() + moving_.size()) / kLooksAWork;
+      work_.done += 1 + (vertices_[v].faces.size() + moving_.size()) / kFaceVisitsPerWork;
       if (holds(face.v, v)) {
         vanishing_.push_back(f);
         continue;
@@ -337,7 +345,7 @@ class Collapser {
 
   [[nodiscard]] int faces_at(Vertex a, Vertex b) const {
     int count = 0;
-    work_.done += 1 + vertices_[a].faces.size() / kLooksAWork;
+    work_.done += 1 + vertices_[a].faces.size() / kFaceVisitsPerWork;
     for (const Face f : vertices_[a].faces) count += holds(faces_[f].v, b) ? 1 : 0;
     return count;
   }
@@ -362,7 +370,7 @@ class Collapser {
       for (const Vertex w : faces_[f].v) {
         if (w == u || w == v) continue;
         int after = 0;  // of the edge v, w
-        work_.done += 1 + (vertices_[v].faces.size() + moving_.size()) / kLooksAWork;
+        work_.done += 1 + (vertices_[v].faces.size() + moving_.size()) / kFaceVisitsPerWork;
         for (const Face g : vertices_[v].faces) after += holds(faces_[g].v, w) && !vanishes(g) ? 1 : 0;
         for (const Face g : moving_) after += holds(faces_[g].v, w) ? 1 : 0;
         if (!stays(v, w, faces_at(u, w), faces_at(v, w), after)) return false;
@@ -374,7 +382,7 @@ class Collapser {
       for (const Vertex w : faces_[f].v)
         if (w != u) across[n++] = w;
       int after = 0;
-      work_.done += 1 + vertices_[across[0]].faces.size() / kLooksAWork;
+      work_.done += 1 + vertices_[across[0]].faces.size() / kFaceVisitsPerWork;
       for (const Face g : vertices_[across[0]].faces) after += holds(faces_[g].v, across[1]) && !vanishes(g) ? 1 : 0;
       const int before = faces_at(across[0], across[1]);
       if (!stays(across[0], across[1], before, before, after)) return false;
@@ -388,7 +396,8 @@ class Collapser {
     const double limit = kSampleTolerance * options_.tolerance;
     targets_.clear();
     const auto add_target = [&](Face f) {
-      targets_.push_back({f, triangle_of(corners(replaced(faces_[f].v, u, v))), look_bit(reference_.look(f))});
+      targets_.push_back(
+          {f, triangle_of(corners(replaced(faces_[f].v, u, v))), appearance_bit(reference_.appearance(f))});
     };
     for (const Face f : moving_) add_target(f);
     for (const Face f : vertices_[v].faces)
@@ -402,7 +411,7 @@ class Collapser {
         double best = std::numeric_limits<double>::infinity();
         Face face = 0;
         for (const TargetFace& target : targets_) {
-          if ((sample.looks & target.look) == 0) continue;
+          if ((sample.appearances & target.appearance) == 0) continue;
           const double distance = target.triangle.distance(sample.point);
           ++work_.done;
           if (distance < best) {
@@ -425,9 +434,9 @@ class Collapser {
       const Corners moved = corners(replaced(faces_[f].v, u, v));
       double error = error_by_star(u, f, moved);
       if (error > options_.tolerance) {
-        const Cover found = cover_by_reference(f, moved);
+        const HausdorffBound found = bound_to_reference(f, moved);
         if (!found.within) return false;
-        error = found.most;
+        error = found.bound;
       }
       errors_.push_back(error);
     }
@@ -439,39 +448,39 @@ class Collapser {
     star_.clear();
     double before = 0;
     for (const Face g : vertices_[u].faces) {
-      if (reference_.look(g) != reference_.look(f)) continue;
+      if (reference_.appearance(g) != reference_.appearance(f)) continue;
       before = std::max(before, faces_[g].error);
       star_.push_back(triangle_of(corners(faces_[g].v)));
     }
     const double enough = std::min(kStarNear * options_.tolerance, options_.tolerance - before);
     if (enough <= 0) return std::numeric_limits<double>::infinity();
-    const Cover found =
-        cover(moved, {enough, kStarMargin * enough, kLeastPiece * options_.tolerance, kStarPieces, true, &work_},
-              [&](const glm::dvec3& p, double& distance) {
-                const DistanceTriangle* nearest = nullptr;
-                work_.done += star_.size();
-                for (const DistanceTriangle& t : star_) {
-                  const double d = t.distance(p);
-                  if (d >= distance) continue;
-                  distance = d;
-                  nearest = &t;
-                }
-                return nearest;
-              });
-    return found.within ? before + found.most : std::numeric_limits<double>::infinity();
+    const HausdorffBound found = hausdorff_bound(
+        moved, {enough, kStarMargin * enough, kLeastPiece * options_.tolerance, kStarPieces, true, &work_},
+        [&](const glm::dvec3& p, double& distance) {
+          const DistanceTriangle* nearest = nullptr;
+          work_.done += star_.size();
+          for (const DistanceTriangle& t : star_) {
+            const double d = t.distance(p);
+            if (d >= distance) continue;
+            distance = d;
+            nearest = &t;
+          }
+          return nearest;
+        });
+    return found.within ? before + found.bound : std::numeric_limits<double>::infinity();
   }
 
-  [[nodiscard]] Cover cover_by_reference(Face f, const Corners& moved) const {
+  [[nodiscard]] HausdorffBound bound_to_reference(Face f, const Corners& moved) const {
     const double tolerance = options_.tolerance;
-    const std::uint64_t look = look_bit(reference_.look(f));
-    return cover(moved, {tolerance, kMargin * tolerance, kLeastPiece * tolerance, kCoverPieces, true, &work_},
-                 [&](const glm::dvec3& p, double& distance) {
-                   const DistanceTriangle* found = nullptr;
-                   double near = tolerance;
-                   reference_.bvh().nearest(p, look, kNear * tolerance, found, near, &work_);
-                   if (found != nullptr) distance = near;
-                   return found;
-                 });
+    const std::uint64_t appearance = appearance_bit(reference_.appearance(f));
+    return hausdorff_bound(moved, {tolerance, kMargin * tolerance, kLeastPiece * tolerance, kBoundPieces, true, &work_},
+                           [&](const glm::dvec3& p, double& distance) {
+                             const DistanceTriangle* found = nullptr;
+                             double near = tolerance;
+                             reference_.bvh().nearest(p, appearance, kNear * tolerance, found, near, &work_);
+                             if (found != nullptr) distance = near;
+                             return found;
+                           });
   }
 
   bool is_legal(Vertex u, Vertex v) {
@@ -485,7 +494,7 @@ class Collapser {
       faces_[f].alive = false;
       for (const Vertex w : faces_[f].v)
         if (w != u) {
-          work_.done += 1 + vertices_[w].faces.size() / kLooksAWork;
+          work_.done += 1 + vertices_[w].faces.size() / kFaceVisitsPerWork;
           std::erase(vertices_[w].faces, f);
         }
     }
@@ -512,7 +521,7 @@ class Collapser {
   struct TargetFace {
     Face face = 0;
     DistanceTriangle triangle;
-    std::uint64_t look = 0;
+    std::uint64_t appearance = 0;
   };
 
   Work& work_;
@@ -539,16 +548,16 @@ class Collapser {
 bool add_samples_outside(Reference& reference, const Collapser& collapser, const LatticeMesh& result, Work& work) {
   const DistanceBvh bvh(result);
   const double tolerance = reference.tolerance();
-  const CoverLimits limits = {tolerance, kMargin * tolerance, kLeastPiece * tolerance, kCheckPieces, false, &work};
+  const HausdorffLimits limits = {tolerance, kMargin * tolerance, kLeastPiece * tolerance, kCheckPieces, false, &work};
   bool added = false;
   for (Face f = 0; f < reference.mesh().faces.size(); ++f) {
     if (collapser.is_as_before(f)) continue;
-    const Cover found = cover(corners_of(reference.mesh(), reference.mesh().faces[f]), limits,
-                              [&](const glm::dvec3& p, double& distance) {
-                                const DistanceTriangle* triangle = nullptr;
-                                bvh.nearest(p, kEveryLook, kNear * tolerance, triangle, distance, &work);
-                                return triangle;
-                              });
+    const HausdorffBound found = hausdorff_bound(
+        corners_of(reference.mesh(), reference.mesh().faces[f]), limits, [&](const glm::dvec3& p, double& distance) {
+          const DistanceTriangle* triangle = nullptr;
+          bvh.nearest(p, kEveryAppearance, kNear * tolerance, triangle, distance, &work);
+          return triangle;
+        });
     if (found.within) continue;
     reference.add_sample(found.outside, f);
     added = true;
@@ -559,24 +568,24 @@ bool add_samples_outside(Reference& reference, const Collapser& collapser, const
 }  // namespace
 
 Collapsed collapse_vertices(const LatticeMesh& mesh, const std::vector<bool>& locked,
-                            std::span<const std::uint16_t> looks, const CollapseOptions& options) {
+                            std::span<const std::uint16_t> appearances, const CollapseOptions& options) {
   ZC_CHECK(locked.size() == mesh.vertices.size());
   if (mesh.faces.empty()) return {mesh, {}};
   const std::uint64_t most = kLeastWork + kWorkPerFace * mesh.faces.size();
   Work work{most};
   bool was_spent = false;
-  Reference reference(mesh, looks, options.tolerance, work);
+  Reference reference(mesh, appearances, options.tolerance, work);
   for (int round = 0; round < kRounds && !work.is_spent(); ++round) {
     // A quarter of what is left is for the check.
-    work.most = most - (most - work.done) / 4;
+    work.limit = most - (most - work.done) / 4;
     Collapser collapser(reference, locked, options, work);
     Collapsed out = {collapser.run(), {}};
     was_spent = was_spent || work.is_spent();
-    work.most = most;
+    work.limit = most;
     if (!add_samples_outside(reference, collapser, out.mesh, work)) {
       clean(out.mesh);
       out.work = work;
-      if (was_spent) out.work.most = out.work.done;
+      if (was_spent) out.work.limit = out.work.done;
       return out;
     }
   }

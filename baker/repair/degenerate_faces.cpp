@@ -19,9 +19,9 @@ struct FaceKey {
 
 }  // namespace
 
-SuperfluousCounts drop_superfluous(MeshPart& part) {
+DegenerateFaceCounts drop_degenerate_faces(MeshPart& part) {
   const LatticeMesh& mesh = part.mesh;
-  SuperfluousCounts counts;
+  DegenerateFaceCounts counts;
   std::vector<bool> drop(mesh.faces.size(), false);
   std::vector<FaceKey> keys;
   keys.reserve(mesh.faces.size());

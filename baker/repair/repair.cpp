@@ -19,20 +19,20 @@ namespace zc {
 namespace {
 
 struct Counts {
-  SuperfluousCounts superfluous;
+  DegenerateFaceCounts degenerate;
   StitchCounts stitch;
   SliverCounts slivers;
   TJunctionCounts t_junctions;
   OrientCounts orient;
   std::uint64_t open_edges = 0;
 
-  void add(const SuperfluousCounts& other) {
-    superfluous.flat += other.flat;
-    superfluous.repeated += other.repeated;
-    superfluous.back_to_back += other.back_to_back;
+  void add(const DegenerateFaceCounts& other) {
+    degenerate.flat += other.flat;
+    degenerate.repeated += other.repeated;
+    degenerate.back_to_back += other.back_to_back;
   }
   void add(const Counts& other) {
-    add(other.superfluous);
+    add(other.degenerate);
     stitch.joined += other.stitch.joined;
     stitch.moved = std::max(stitch.moved, other.stitch.moved);
     slivers.dropped += other.slivers.dropped;
@@ -48,13 +48,13 @@ struct Counts {
 
 Counts repair_part(MeshPart& part) {
   Counts counts;
-  counts.add(drop_superfluous(part));
+  counts.add(drop_degenerate_faces(part));
   counts.stitch = stitch_open_edges(part);
-  if (counts.stitch.joined > 0) counts.add(drop_superfluous(part));
+  if (counts.stitch.joined > 0) counts.add(drop_degenerate_faces(part));
   // What slivers leave are T-junctions.
   counts.slivers = drop_slivers(part);
   counts.t_junctions = repair_t_junctions(part);
-  if (counts.t_junctions.repaired > 0) counts.add(drop_superfluous(part));
+  if (counts.t_junctions.repaired > 0) counts.add(drop_degenerate_faces(part));
   counts.orient = orient_faces(part);
   counts.open_edges = open_edges(part.mesh).size();
   return counts;
@@ -121,12 +121,12 @@ std::uint64_t gather(std::vector<MeshPart>& parts, SnappedScene& scene) {
 }
 
 // Copies of a face in several objects.
-SuperfluousCounts drop_shared(SnappedScene& scene) {
+DegenerateFaceCounts drop_shared(SnappedScene& scene) {
   MeshPart all;
   all.mesh = std::move(scene.mesh);
   for (std::uint32_t o = 0; o < scene.objects.size(); ++o)
     all.object.insert(all.object.end(), scene.objects[o].triangle_count, o);
-  const SuperfluousCounts counts = drop_superfluous(all);
+  const DegenerateFaceCounts counts = drop_degenerate_faces(all);
   std::vector<std::uint32_t> count(scene.objects.size());
   for (const std::uint32_t o : all.object) ++count[o];
   std::uint32_t first = 0;
@@ -162,9 +162,9 @@ Result<RepairReport> repair_scene(SnappedScene& scene) {
   const auto note = [&](const char* what, std::uint64_t count) {
     if (count > 0) report.counts.push_back({what, count});
   };
-  note("triangles without area at the lattice step, dropped", counts.superfluous.flat);
-  note("repeated triangles, dropped", counts.superfluous.repeated);
-  note("triangles back to back with another of their object, dropped", counts.superfluous.back_to_back);
+  note("triangles without area at the lattice step, dropped", counts.degenerate.flat);
+  note("repeated triangles, dropped", counts.degenerate.repeated);
+  note("triangles back to back with another of their object, dropped", counts.degenerate.back_to_back);
   note("triangles thinner than half a step, dropped", counts.slivers.dropped);
   note("open edges a step apart, stitched", counts.stitch.joined);
   note("T-junctions, repaired", counts.t_junctions.repaired);

@@ -21,14 +21,20 @@ struct DiskParts {
     json += more.json;
     bvh.tree += more.bvh.tree;
     bvh.materials += more.bvh.materials;
-    bvh.looks += more.bvh.looks;
+    bvh.appearances += more.bvh.appearances;
     bvh.light += more.bvh.light;
     bvh.normals += more.bvh.normals;
     bvh.texture += more.bvh.texture;
   }
   [[nodiscard]] nlohmann::ordered_json to_json() const {
-    return {{"triangles", triangles},     {"mesh", mesh},       {"json", json},       {"tree", bvh.tree},
-            {"materials", bvh.materials}, {"looks", bvh.looks}, {"light", bvh.light}, {"normals", bvh.normals},
+    return {{"triangles", triangles},
+            {"mesh", mesh},
+            {"json", json},
+            {"tree", bvh.tree},
+            {"materials", bvh.materials},
+            {"looks", bvh.appearances},
+            {"light", bvh.light},
+            {"normals", bvh.normals},
             {"texture", bvh.texture}};
   }
 };

@@ -101,12 +101,12 @@ Json number(double value) {
 Json short_number(float value) { return number(std::round(static_cast<double>(value) * 1e6) / 1e6); }
 
 // What viewers show: colours in 255ths of `brightest`, and of roughness and metalness those that most triangles have.
-struct Looks {
+struct Appearances {
   std::array<float, 3> brightest = {};
   float roughness = 1;
   float metallic = 0;
 
-  Looks(const LatticeMesh& mesh, std::span<const Material> materials) {
+  Appearances(const LatticeMesh& mesh, std::span<const Material> materials) {
     std::map<std::pair<float, float>, std::size_t> count;
     for (const auto& face : mesh.faces) {
       const Material& m = materials[face.material];
@@ -127,14 +127,14 @@ struct Looks {
   }
 };
 
-Json material_json(const Looks& looks, const Rgb8& color) {
+Json material_json(const Appearances& appearances, const Rgb8& color) {
   const auto factor = [&](std::size_t c) {
-    return short_number(looks.brightest[c] * static_cast<float>(color[c]) / 255);
+    return short_number(appearances.brightest[c] * static_cast<float>(color[c]) / 255);
   };
   return {{"pbrMetallicRoughness",
            {{"baseColorFactor", {factor(0), factor(1), factor(2), 1}},
-            {"metallicFactor", short_number(looks.metallic)},
-            {"roughnessFactor", short_number(looks.roughness)}}},
+            {"metallicFactor", short_number(appearances.metallic)},
+            {"roughnessFactor", short_number(appearances.roughness)}}},
           {"doubleSided", true}};
 }
 
@@ -147,12 +147,13 @@ Json node_matrix(const LatticePoint& origin, std::uint32_t step_shift, double st
 
 // One part with its colours; where no such stream can be followed, a part for each colour.
 Result<std::vector<std::pair<Part, DracoStream>>> encode_parts(const LatticeMesh& mesh,
-                                                               std::span<const Material> materials, const Looks& looks,
+                                                               std::span<const Material> materials,
+                                                               const Appearances& appearances,
                                                                const Quantizer& quantizer) {
   std::map<Rgb8, std::vector<std::uint32_t>> faces_of;
   std::vector<Rgb8> colors;
   for (std::uint32_t f = 0; f < mesh.faces.size(); ++f) {
-    colors.push_back(looks.color_of(materials[mesh.faces[f].material]));
+    colors.push_back(appearances.color_of(materials[mesh.faces[f].material]));
     faces_of[colors.back()].push_back(f);
   }
   std::vector<std::pair<Part, DracoStream>> parts;
@@ -186,9 +187,9 @@ Result<EncodedZone> encode_zone_glb(const LatticeMesh& mesh, std::uint32_t step_
   out.bounds_min = box.min;
   out.bounds_max = box.max;
 
-  const Looks looks(mesh, materials);
+  const Appearances appearances(mesh, materials);
   const Quantizer quantizer(mesh, out.origin, step_shift);
-  ZC_ASSIGN(const auto parts, encode_parts(mesh, materials, looks, quantizer));
+  ZC_ASSIGN(const auto parts, encode_parts(mesh, materials, appearances, quantizer));
   Json accessors = Json::array();
   Json views = Json::array();
   Json primitives = Json::array();
@@ -221,7 +222,7 @@ Result<EncodedZone> encode_zone_glb(const LatticeMesh& mesh, std::uint32_t step_
           {{"componentType", kUnsignedByte}, {"normalized", true}, {"count", stream.point_count}, {"type", "VEC3"}});
     views.push_back({{"buffer", 0}, {"byteLength", stream.bytes.size()}});
     if (!bin.empty()) views.back()["byteOffset"] = bin.size();
-    material_list.push_back(material_json(looks, part.color));
+    material_list.push_back(material_json(appearances, part.color));
     bin.insert(bin.end(), stream.bytes.begin(), stream.bytes.end());
     out.draco_bytes += stream.bytes.size();
     out.triangle_count += static_cast<std::uint32_t>(part.faces.size());

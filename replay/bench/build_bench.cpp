@@ -16,21 +16,21 @@ namespace {
 struct Built {
   double ms = 0;
   double cpu_ms = 0;
-  std::vector<TreeLook> looks;  // by zone
+  std::vector<TreeProbe> appearances;  // by zone
 };
 
 Result<Built> build_all(const TreeBuilder& builder, std::size_t zones, unsigned threads) {
   Built built;
-  built.looks.resize(zones);
+  built.appearances.resize(zones);
   std::vector<Status> results(zones);
   const std::clock_t cpu = std::clock();
   const Stopwatch watch;
   parallel_chunks<1>(zones, threads, [&](std::size_t zone, std::size_t /*end*/) {
-    Result<TreeLook> look = builder.build(zone);
-    if (look) {
-      built.looks[zone] = *std::move(look);
+    Result<TreeProbe> appearance = builder.build(zone);
+    if (appearance) {
+      built.appearances[zone] = *std::move(appearance);
     } else {
-      results[zone] = std::move(look).error();
+      results[zone] = std::move(appearance).error();
     }
   });
   built.ms = watch.ms();
@@ -40,9 +40,9 @@ Result<Built> build_all(const TreeBuilder& builder, std::size_t zones, unsigned 
 }
 
 Result<TreeFigures> look_at_all(const Built& built, unsigned threads) {
-  std::vector<std::optional<Result<TreeFigures>>> figures(built.looks.size());
+  std::vector<std::optional<Result<TreeFigures>>> figures(built.appearances.size());
   parallel_chunks<1>(figures.size(), threads,
-                     [&](std::size_t zone, std::size_t /*end*/) { figures[zone] = built.looks[zone](); });
+                     [&](std::size_t zone, std::size_t /*end*/) { figures[zone] = built.appearances[zone](); });
   TreeFigures sum;
   for (const auto& result : figures) {
     if (!*result) return result->error();

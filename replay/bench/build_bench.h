@@ -27,13 +27,13 @@ struct TreeFigures {
   std::uint64_t mismatches = 0;  // representative rays that do not find the nearest triangle
 };
 
-using TreeLook = std::function<Result<TreeFigures>()>;
+using TreeProbe = std::function<Result<TreeFigures>()>;
 
 struct TreeBuilder {
   std::string name;
   // Builds the tree of a zone, which is timed; what it returns looks at the tree, which is not. Called from several
   // threads at once. Empty where the builder is missing.
-  std::function<Result<TreeLook>(std::size_t zone)> build;
+  std::function<Result<TreeProbe>(std::size_t zone)> build;
   std::string missing = {};  // why
 };
 

@@ -9,7 +9,7 @@
 
 #include "replay/bench/engines/gpu_engine.h"
 #include "replay/bench/engines/stopwatch.h"
-#include "runtime/device/shader_code.h"
+#include "spirv/shader_code.h"
 
 namespace zc::bench {
 namespace {
@@ -29,7 +29,7 @@ Result<ClockWarmer> ClockWarmer::create(Device& device) {
   constexpr std::array<std::byte, 4> zero = {};
   ZC_ASSIGN(warmer.sums_, make_filled_buffer(device, zero));
   KernelOptions options;
-  options.spirv = shader::bench_spin();
+  options.spirv = shader::spin();
   options.buffers = 1;
   options.push_bytes = sizeof(kRounds);
   ZC_ASSIGN(warmer.kernel_, ComputeKernel::create(device, options));

@@ -108,7 +108,7 @@ Result<PagingReport> run_paging_bench(std::string scene, const std::filesystem::
   Selection selection;
   std::vector<std::uint8_t> marks(index.nodes.size());
   std::vector<std::uint32_t> marked;
-  Cover resident(index);  // at once what is selected
+  RenderedCut resident(index);  // at once what is selected
   std::vector<std::uint32_t> before;
   std::vector<double> times;
   std::vector<double> counts;
@@ -118,7 +118,7 @@ Result<PagingReport> run_paging_bench(std::string scene, const std::filesystem::
     select_nodes(index,
                  {.views = views,
                   .previous = marks,
-                  .cover = &resident,
+                  .cut = &resident,
                   .budget_bytes = std::max(options.pool_bytes, pool_bytes(index.nodes[0])),
                   .tolerance = options.tolerance},
                  selection);

@@ -89,7 +89,7 @@ void add_compare(CLI::App& app, const SetCommand& set) {
   command->add_option("--frames", a->frames, "A:B, A:B:STEP or all [8, spread evenly over the path]");
   command
       ->add_option("--tolerance", a->tolerances,
-                   "Beside the stored levels, what a replay pages at these tolerances; parted by commas")
+                   "Beside the stored levels, what a replay pages at these tolerances; separated by commas")
       ->delimiter(',')
       ->check(CLI::Range(1e-6, 1.0))
       ->option_text("T,... [0.002]");

@@ -169,7 +169,7 @@ void add_replay(CLI::App& app, const SetCommand& set) {
                                                                         {"full", ReflectionMode::kFull},
                                                                         {"none", ReflectionMode::kNone}}))
       ->option_text("ssr+proxy|proxy|full|none [ssr+proxy]");
-  command->add_option("--debug-views", a->debug_views, "Also write these, per frame; parted by commas")
+  command->add_option("--debug-views", a->debug_views, "Also write these, per frame; separated by commas")
       ->delimiter(',')
       ->transform(CLI::CheckedTransformer(std::map<std::string, DebugView>{{"provenance", DebugView::kProvenance},
                                                                            {"bvh", DebugView::kBvh},

@@ -247,8 +247,8 @@ class Comparison {
     }
     for (const std::uint64_t frame : frames_) {
       const double aspect = static_cast<double>(width()) / height();
-      ZC_ASSIGN(const bool looks, looks_at_world(index_, path_[frame], aspect));
-      if (!looks) ++report_.blind_frames;
+      ZC_ASSIGN(const bool appearances, looks_at_world(index_, path_[frame], aspect));
+      if (!appearances) ++report_.blind_frames;
       report_.frames.push_back(frame_name(path_[frame], frame));
     }
     if (report_.blind_frames < frames_.size()) return {};

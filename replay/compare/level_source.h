@@ -27,7 +27,7 @@ class LevelSource final : public Source {
   Result<std::unique_ptr<SourceFile>> open(const std::string& name, std::uint64_t limit_bytes) override {
     return name == kWorldIndexName ? Source::open(name, limit_bytes) : whole_.open(name, limit_bytes);
   }
-  std::unique_ptr<Reading> begin(std::vector<WantedFile> files) override { return whole_.begin(std::move(files)); }
+  std::unique_ptr<AsyncRead> begin(std::vector<WantedFile> files) override { return whole_.begin(std::move(files)); }
 
  private:
   Source& whole_;

@@ -55,12 +55,12 @@ Zones leaf_proxies(const WorldIndex& index) {
     sum.triangles += node.triangle_count;
     const std::uint64_t bvh = sizeof(gpu::PageHeader) + std::uint64_t{node.bvh_node_count} * sizeof(gpu::PageNode);
     const std::uint64_t rest =
-        std::uint64_t{node.look_bytes} + node.light_bytes + node.normal_bytes + node.texture_bytes;
+        std::uint64_t{node.appearance_bytes} + node.light_bytes + node.normal_bytes + node.texture_bytes;
     sum.texture += node.texture_bytes;
     sum.bvh += static_cast<double>(bvh);
     sum.triangle += static_cast<double>(node.page_bytes - std::min<std::uint64_t>(node.page_bytes, bvh + rest));
     sum.normals += node.normal_bytes;
-    sum.uv += node.look_bytes;
+    sum.uv += node.appearance_bytes;
     sum.light += node.light_bytes;
   }
   return sum;

@@ -18,7 +18,7 @@ constexpr const char* kBakeReport = "bake.json";
 
 struct Level {
   std::uint64_t nodes = 0, triangles = 0, bvh_nodes = 0, page_bytes = 0;
-  std::uint64_t look_bytes = 0, light_bytes = 0, normal_bytes = 0, texture_bytes = 0;
+  std::uint64_t appearance_bytes = 0, light_bytes = 0, normal_bytes = 0, texture_bytes = 0;
   std::uint64_t glb_bytes = 0, zbvh_bytes = 0;
   double error_max_m = 0, error_sum_m = 0, appearance_max_m = 0;
 
@@ -27,7 +27,7 @@ struct Level {
     triangles += node.triangle_count;
     bvh_nodes += node.bvh_node_count;
     page_bytes += node.page_bytes;
-    look_bytes += node.look_bytes;
+    appearance_bytes += node.appearance_bytes;
     light_bytes += node.light_bytes;
     normal_bytes += node.normal_bytes;
     texture_bytes += node.texture_bytes;
@@ -45,11 +45,11 @@ struct Level {
   // Resident, without the index.
   [[nodiscard]] nlohmann::ordered_json parts() const {
     const std::uint64_t tree_bytes = nodes * sizeof(gpu::PageHeader) + bvh_nodes * sizeof(gpu::PageNode);
-    const std::uint64_t rest = tree_bytes + look_bytes + light_bytes + normal_bytes + texture_bytes;
+    const std::uint64_t rest = tree_bytes + appearance_bytes + light_bytes + normal_bytes + texture_bytes;
     return {{"nodes", tree_bytes},
             {"triangles", page_bytes - std::min(page_bytes, rest)},  // clusters: triangles, vertices, materials
             {"normals", normal_bytes},
-            {"uv", look_bytes},  // charts stand in for coordinates
+            {"uv", appearance_bytes},  // charts stand in for coordinates
             {"light", light_bytes},
             {"texture", texture_bytes}};
   }

@@ -47,7 +47,7 @@ Result<CameraSample> parse_line(std::string_view line) {
     if (failure != std::errc{}) return Error{ErrorCode::kFormat, "value " + std::to_string(i + 1) + " is not a number"};
     const bool last = i + 1 == values.size();
     if (last ? rest != end : (rest == end || *rest != ','))
-      return Error{ErrorCode::kFormat, "expected 8 values parted by commas"};
+      return Error{ErrorCode::kFormat, "expected 8 values separated by commas"};
     at = rest + 1;
   }
   return CameraSample{values[0], {values[1], values[2], values[3]}, {values[4], values[5], values[6]}, values[7]};

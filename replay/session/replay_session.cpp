@@ -165,14 +165,14 @@ class Session {
     if (options_.kernel != KernelChoice::kFixed) {
       std::optional<TraceVariant> cached;
       if (options_.kernel == KernelChoice::kAuto) cached = read_cached_variant(options_.variant_cache, variant_key());
-      if (cached && !misfit(*cached, limits).empty()) cached.reset();  // another world's
+      if (cached && !unsupported_reason(*cached, limits).empty()) cached.reset();  // another world's
       renderer.trace = cached.value_or(TraceVariant{});
       report_.trace_variant_origin = cached ? "cached" : "default";
       // Not unasked where a wall clock paces the frames: those behind would be measured with it.
       const bool paced = options_.streamer.clock == ClockKind::kWall && options_.kernel == KernelChoice::kAuto;
       measure_kernels_ = !cached && !paced && renderer.reflections != ReflectionMode::kNone;
     }
-    const std::string_view why_not = misfit(renderer.trace, limits);
+    const std::string_view why_not = unsupported_reason(renderer.trace, limits);
     if (why_not.empty()) return;
     renderer.trace = nearest_fit(renderer.trace, limits);
     warn({ErrorCode::kDevice, "traced by " + trace_variant_name(renderer.trace) + ": " + std::string(why_not)});

@@ -25,7 +25,7 @@ enum class KernelChoice {
   kMeasure,  // measured on the first frame that queues rays enough, and cached
 };
 
-// Where the look-ahead comes from.
+// Where the appearance-ahead comes from.
 enum class Prediction {
   kPath,      // the recording knows
   kVelocity,  // what a live camera's last two frames tell

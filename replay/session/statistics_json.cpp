@@ -32,9 +32,9 @@ nlohmann::ordered_json statistics_json(const ReplayReport& report) {
   nlohmann::ordered_json state_ms;
   for (std::size_t i = 0; i < kLoadStateCount; ++i) state_ms[kLoadStateNames[i]] = percentiles(s.state_ms[i]);
   summary["state_ms"] = std::move(state_ms);
-  summary["teleports"] = {{"count", s.teleports.count},
-                          {"unfinished", s.teleports.unfinished},
-                          {"to_target_ms", percentiles(s.teleports.to_target_ms)}};
+  summary["camera_cuts"] = {{"count", s.camera_cuts.count},
+                            {"unfinished", s.camera_cuts.unfinished},
+                            {"to_target_ms", percentiles(s.camera_cuts.to_target_ms)}};
   summary["requests"] = {{"issued", s.requests.issued},
                          {"completed", s.requests.completed},
                          {"cancelled", s.requests.cancelled},

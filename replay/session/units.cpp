@@ -44,7 +44,7 @@ std::optional<double> parse_quantity(std::string_view text, std::span<const Unit
   return std::nullopt;
 }
 
-// Whole numbers parted by `separator`, each at most 2^53.
+// Whole numbers separated by `separator`, each at most 2^53.
 std::optional<std::vector<std::uint64_t>> parse_list(std::string_view text, char separator) {
   std::vector<std::uint64_t> values;
   const char* at = text.data();

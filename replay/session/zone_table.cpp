@@ -33,7 +33,7 @@ bool outside_view(const RenderCamera& camera, double aspect, const NodeRecord& n
 Status ZoneTable::update(const View& view) {
   const WorldIndex& index = streamer_.index();
   std::vector<gpu::ZoneEntry> entries;
-  for (const std::uint32_t id : streamer_.cover()) {
+  for (const std::uint32_t id : streamer_.rendered_cut()) {
     const NodeRecord& node = index.nodes[id];
     const bool refinable = node.child_count > 0 && !index.nodes[node.first_child].is_detail();
     const bool coarse = refinable && weighted_error(index, id, std::span(&view, 1)) > tolerance_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Joins a streamer to a zone set: pages go to the pool, the cover becomes zone table and draws.
+// Joins a streamer to a zone set: pages go to the pool, the rendered cut becomes zone table and draws.
 // Borrows both. Threads: the frame's.
 #pragma once
 
@@ -43,7 +43,7 @@ class ZoneTable {
   // Slot by slot, in the order of the pages in the pool.
   [[nodiscard]] std::span<const gpu::ZoneEntry> entries() const { return entries_; }
 
-  // Zones of the cover whose boxes touch the camera's view; all of them when `cull` is false.
+  // Zones of the rendered cut whose boxes touch the camera's view; all of them when `cull` is false.
   [[nodiscard]] std::vector<ZoneDraw> draws(const RenderCamera& camera, double aspect, bool cull) const;
 
  private:

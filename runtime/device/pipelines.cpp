@@ -8,7 +8,7 @@
 namespace zc {
 namespace {
 
-constexpr std::uint32_t kBindingCount = gpu::kBindRetries + 1;
+constexpr std::uint32_t kBindingCount = gpu::kBindFallbackRays + 1;
 
 VkDescriptorType type_of(std::uint32_t binding) {
   if (binding == gpu::kBindFrame) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;

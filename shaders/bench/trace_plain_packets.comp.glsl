@@ -7,7 +7,7 @@
 #include "packets/lane_group.glsl"
 #include "packets/frustum.glsl"
 #include "traverse/ray_queue.glsl"
-const uint kStackPairs = (uint(kStackSize) + kTeam - 1u) / kTeam;  // of registers a lane
+const uint kStackPairs = (uint(kStackSize) + kLaneGroup - 1u) / kLaneGroup;  // of registers a lane
 #include "bench/plain_children_group.glsl"
 #include "packets/traverse_packet.glsl"
 
@@ -15,7 +15,7 @@ layout(local_size_x = 64, local_size_x_id = 7) in;
 #include "packets/packet_index.glsl"
 
 void main() {
-  begin_team();
-  const uint first_ray = packet_index() * kTeam * uint(kRaysPerLane);
+  begin_group();
+  const uint first_ray = packet_index() * kLaneGroup * uint(kRaysPerLane);
   if (first_ray < counters.ray_count) plain_trace_packet(first_ray);
 }

@@ -3,10 +3,10 @@
 #ifndef ZC_SHADERS_PACKET
 #define ZC_SHADERS_PACKET
 
-const uint kTeam = 8u;            // invocations that work on one
+const uint kLaneGroup = 8u;            // invocations that work on one
 const float kGroupCosine = 0.99;  // between the directions of rays that go together
 const uint kGroupLeast = 3u;      // rays
-const uint kStepsPerRay = 3u;     // nodes and batches of triangles: where a group takes more, its rays fare better alone
+const uint kStepsPerRay = 3u;  // nodes and batches of triangles: where a group takes more, its rays fare better alone
 const float kNever = 1e30;
 
 #endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closest or any hits of the queued rays in packets, against the proxies or the host's full detail; see traverse_packet.glsl.
+// Closest or any hits of the queued rays in packets, against the proxies or the host's full detail; see
+// traverse_packet.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"
@@ -8,7 +9,7 @@
 #include "packets/frustum.glsl"
 #include "traverse/ray_queue.glsl"
 layout(constant_id = 2) const uint kTraceHost = 0u;
-const uint kStackPairs = (uint(kStackSize) + kTeam - 1u) / kTeam;  // of registers a lane
+const uint kStackPairs = (uint(kStackSize) + kLaneGroup - 1u) / kLaneGroup;  // of registers a lane
 
 #include "page/full_detail_set.glsl"
 #include "page/page_layout.glsl"
@@ -25,8 +26,8 @@ layout(local_size_x = 64, local_size_x_id = 7) in;
 #include "packets/packet_index.glsl"
 
 void main() {
-  begin_team();
-  const uint first_ray = packet_index() * kTeam * uint(kRaysPerLane);
+  begin_group();
+  const uint first_ray = packet_index() * kLaneGroup * uint(kRaysPerLane);
   if (first_ray >= counters.ray_count) return;
   if (kTraceHost != 0u) {
     host_trace_packet(first_ray);

@@ -30,7 +30,8 @@ vec3 corner_normal(uvec2 normals, vec3 barycentric) {
   const vec2 a = vec2(normals.x & 1023u, normals.x >> 10 & 1023u);
   const vec2 b = vec2(normals.x >> 20 & 1023u, normals.y & 1023u);
   const vec2 c = vec2(normals.y >> 10 & 1023u, normals.y >> 20 & 1023u);
-  return normalize(unfold_octahedron(a / 511.5 - 1.0) * barycentric.x + unfold_octahedron(b / 511.5 - 1.0) * barycentric.y +
+  return normalize(unfold_octahedron(a / 511.5 - 1.0) * barycentric.x +
+                   unfold_octahedron(b / 511.5 - 1.0) * barycentric.y +
                    unfold_octahedron(c / 511.5 - 1.0) * barycentric.z);
 }
 

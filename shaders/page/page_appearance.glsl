@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a triangle of a page looks at a point. Needs PAGE_NAME and page_fetch.glsl, look.glsl, baked_light.glsl and the
-// materials.
+// How a triangle of a page looks at a point. Needs PAGE_NAME and page_fetch.glsl, surface_attributes.glsl,
+// baked_light.glsl and the materials.
 
 // A BC1 texel, sRGB.
 vec3 PAGE_NAME(block_texel)(uint block_word, uint x, uint y) {
@@ -27,12 +27,12 @@ PAGE_NAME(Atlas) PAGE_NAME(load_atlas)(uint page_word) {
                           uintBitsToFloat(PAGE_NAME(load)(at + 2u)));
 }
 
-// Linear, filtered over four texels of the level whose texels are about as wide as the footprint. `steps`: the point in the
-// zone's own steps from its origin; the footprint likewise.
-vec3 PAGE_NAME(atlas_color)(PAGE_NAME(Atlas) atlas, uvec2 look, vec3 steps, float footprint) {
-  const uint axis = look.x >> 18 & 3u;
-  const float scale = atlas.texels_per_step * exp2(-float(look.x >> 20 & 7u));
-  const vec2 moved = vec2(float(int(look.y << 16) >> 16), float(int(look.y) >> 16));
+// Linear, filtered over four texels of the level whose texels are about as wide as the footprint. `steps`: the point in
+// the zone's own steps from its origin; the footprint likewise.
+vec3 PAGE_NAME(atlas_color)(PAGE_NAME(Atlas) atlas, uvec2 appearance, vec3 steps, float footprint) {
+  const uint axis = appearance.x >> 18 & 3u;
+  const float scale = atlas.texels_per_step * exp2(-float(appearance.x >> 20 & 7u));
+  const vec2 moved = vec2(float(int(appearance.y << 16) >> 16), float(int(appearance.y) >> 16));
   const vec2 texel = (axis == 0u ? steps.yz : (axis == 1u ? steps.xz : steps.xy)) * scale + moved;
   const int levels = int(atlas.size >> 16);
   const int level = clamp(int(log2(max(footprint * scale, 1.0)) + 0.5), 0, levels - 1);
@@ -53,26 +53,28 @@ vec3 PAGE_NAME(atlas_color)(PAGE_NAME(Atlas) atlas, uvec2 look, vec3 steps, floa
         linear_of_srgb(PAGE_NAME(block_texel)(word + 2u * ((p.y >> 2) * row + (p.x >> 2)), p.x & 3u, p.y & 3u));
   }
   const vec3 color = mix(mix(corner[0], corner[1], part.x), mix(corner[2], corner[3], part.x), part.y);
-  return color * look_gain(look);
+  return color * appearance_gain(appearance);
 }
 
-// Base colour, roughness and metalness of a triangle; `look` is 0 where the page has none or it is plain, so that the
-// base colour is the material's.
-SurfaceLook PAGE_NAME(material_look)(PAGE_NAME(Cluster) cluster, uint packed_triangle, out uvec2 look) {
+// Base colour, roughness and metalness of a triangle; `appearance` is 0 where the page has none or it is plain, so that
+// the base colour is the material's.
+SurfaceAttributes PAGE_NAME(material_attributes)(PAGE_NAME(Cluster) cluster, uint packed_triangle,
+                                                 out uvec2 appearance) {
   const uint place = packed_triangle >> 24;
   uint material;
-  look = uvec2(0u);
-  if ((cluster.counts & kClusterLooks) != 0u) {
+  appearance = uvec2(0u);
+  if ((cluster.counts & kClusterAppearances) != 0u) {
     const uint word = cluster.palette_word + 2u * place;
-    look = uvec2(PAGE_NAME(load)(word), PAGE_NAME(load)(word + 1u));
-    material = look.x & 0xFFFFu;
+    appearance = uvec2(PAGE_NAME(load)(word), PAGE_NAME(load)(word + 1u));
+    material = appearance.x & 0xFFFFu;
   } else {
     material = PAGE_NAME(load)(cluster.palette_word + (place >> 1)) >> (16u * (place & 1u)) & 0xFFFFu;
   }
   const MaterialEntry m = materials[material];
-  SurfaceLook result;
+  SurfaceAttributes result;
   result.base = vec3(m.base_r, m.base_g, m.base_b);
-  if ((look.x >> 16 & 3u) == kLookColor) result.base = linear_of_srgb(unpackUnorm4x8(look.y).rgb) * look_gain(look);
+  if ((appearance.x >> 16 & 3u) == kAppearanceColor)
+    result.base = linear_of_srgb(unpackUnorm4x8(appearance.y).rgb) * appearance_gain(appearance);
   result.roughness = m.roughness;
   result.metallic = m.metallic;
   result.sky = 1.0;
@@ -81,12 +83,13 @@ SurfaceLook PAGE_NAME(material_look)(PAGE_NAME(Cluster) cluster, uint packed_tri
   return result;
 }
 
-bool PAGE_NAME(is_textured)(uvec2 look) { return (look.x >> 16 & 3u) == kLookTextured; }
+bool PAGE_NAME(is_textured)(uvec2 appearance) { return (appearance.x >> 16 & 3u) == kAppearanceTextured; }
 
 // First words of a cluster's light and normals.
 uint PAGE_NAME(light_word)(PAGE_NAME(Cluster) cluster) {
   return cluster.triangle_word - kClusterHeaderWords +
-         ((kClusterHeaderWords + cluster_triangles(cluster.counts) + (3u * cluster_vertices(cluster.counts) + 1u) / 2u + 1u) &
+         ((kClusterHeaderWords + cluster_triangles(cluster.counts) + (3u * cluster_vertices(cluster.counts) + 1u) / 2u +
+           1u) &
           ~1u);
 }
 uint PAGE_NAME(normal_word)(PAGE_NAME(Cluster) cluster) {

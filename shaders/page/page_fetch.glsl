@@ -14,8 +14,8 @@ ZoneEntry PAGE_NAME(zone_of_page)(uint page_word) {
   return ZONES[low];
 }
 
-// With kCheckAccess: `word`, where `count` words from it on lie in the top level or in one of the pages that it leads to;
-// elsewhere the access is counted and goes to word 0 instead.
+// With kCheckAccess: `word`, where `count` words from it on lie in the top level or in one of the pages that it leads
+// to; elsewhere the access is counted and goes to word 0 instead.
 uint PAGE_NAME(checked)(uint word, uint count) {
 #ifdef ACCESS_COUNTER
   if (kCheckAccess == 0u) return word;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the traversals ask of the layout that they run over, answered for pages. Needs a set (proxy_set.glsl,
-// host_set.glsl) and trace.glsl; page_layout_team.glsl adds what packets ask. `zonecast bench trace` answers the same
+// host_set.glsl) and trace.glsl; page_layout_group.glsl adds what packets ask. `zonecast bench trace` answers the same
 // questions for an uncompressed layout (bench/plain_layout.glsl).
 
 #include "page/page_fetch.glsl"

@@ -12,7 +12,7 @@ layout(set = 0, binding = kBindHits, std430) buffer Hits { HitRecord hits[]; };
 layout(set = 0, binding = kBindCounters, std430) buffer CounterBlock { Counters counters; };
 layout(set = 0, binding = kBindOutput, std430) buffer Output { uint output_rgba[]; };
 layout(set = 0, binding = kBindRayTexels4) uniform usamplerBuffer ray_texels4;
-layout(set = 0, binding = kBindRetries, std430) buffer Retries { Retry retries[]; };
+layout(set = 0, binding = kBindFallbackRays, std430) buffer FallbackQueue { FallbackRays fallback_rays[]; };
 layout(set = 0, binding = kBindDepth) uniform sampler2D depth_image;
 layout(set = 0, binding = kBindSurface) uniform usampler2D surface_image;
 

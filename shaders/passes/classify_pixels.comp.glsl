@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gathers the pixels whose surface mirrors; nothing later runs for the others. An invocation takes a tile of 8×8 pixels,
-// so that those of a tile stay together, wherever the list's tiles come from: packets of rays are as coherent as that.
+// Gathers the pixels whose surface mirrors; nothing later runs for the others. An invocation takes a tile of 8×8
+// pixels, so that those of a tile stay together, wherever the list's tiles come from: packets of rays are as coherent
+// as that.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"
@@ -14,7 +15,7 @@ const uint kTile = 8u;
 bool mirrors(ivec2 pixel) {
   const Surface s = load_surface(pixel);
   if (s.sky) return false;
-  const Shading shading = shade_surface(s.look, s.shaded, s.view);
+  const Shading shading = shade_surface(s.attributes, s.shading_normal, s.view);
   return max(shading.specular.r, max(shading.specular.g, shading.specular.b)) >= 0.004;
 }
 

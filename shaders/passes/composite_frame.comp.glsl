@@ -16,7 +16,7 @@ void main() {
   vec3 color = unpack_color(lit[index]).rgb;
   if (!s.sky) {
     // Without a traced ray the surface mirrors the sky if it mirrors at all (--reflections none).
-    const Shading shading = shade_surface(s.look, s.shaded, s.view);
+    const Shading shading = shade_surface(s.attributes, s.shading_normal, s.view);
     const bool traced = (provenance[index] & ((1u << kSourceBits) - 1u)) != kSourceNone;
     const vec3 mirrored =
         traced ? unpack_color(reflection[index]).rgb : sky_radiance(mirrored_direction(s));

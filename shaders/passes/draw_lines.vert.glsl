@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The BVH view (thesis, Figure 3.2): one instance a zone; pass_constants.a = 0 draws the edges of the proxies' triangles
-// (6 vertices a triangle), 1 the boxes of the leaves (192 vertices a node: eight children, twelve edges).
+// The BVH view (thesis, Figure 3.2): one instance a zone; pass_constants.a = 0 draws the edges of the proxies'
+// triangles (6 vertices a triangle), 1 the boxes of the leaves (192 vertices a node: eight children, twelve edges).
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/scene_bindings.glsl"

@@ -13,7 +13,7 @@
 layout(location = 0) in vec3 in_steps;
 layout(location = 1) in vec2 in_barycentric;
 layout(location = 2) flat in uvec4 in_surface;
-layout(location = 3) flat in uvec4 in_look;
+layout(location = 3) flat in uvec4 in_appearance;
 layout(location = 4) flat in uvec2 in_normals;
 layout(location = 5) flat in float in_texels_per_step;
 layout(location = 0) out uvec4 surface;
@@ -21,14 +21,15 @@ layout(location = 0) out uvec4 surface;
 void main() {
   const vec3 barycentric = vec3(in_barycentric, 1.0 - in_barycentric.x - in_barycentric.y);
   const vec3 across = max(abs(dFdx(in_steps)), abs(dFdy(in_steps)));
-  SurfaceLook look = unpack_look(in_surface.y, 0u, kSunUnknown);
-  add_baked_light(in_surface.zw, barycentric, look);
+  SurfaceAttributes attributes = unpack_attributes(in_surface.y, 0u, kSunUnknown);
+  add_baked_light(in_surface.zw, barycentric, attributes);
   uint base = in_surface.y;
-  if (host_is_textured(in_look.xy)) {
-    const host_Atlas atlas = host_Atlas(in_look.z, in_look.w, in_texels_per_step);
-    const vec3 color = host_atlas_color(atlas, in_look.xy, in_steps, max(across.x, max(across.y, across.z)));
+  if (host_is_textured(in_appearance.xy)) {
+    const host_Atlas atlas = host_Atlas(in_appearance.z, in_appearance.w, in_texels_per_step);
+    const vec3 color = host_atlas_color(atlas, in_appearance.xy, in_steps, max(across.x, max(across.y, across.z)));
     base = (base & 0xFF000000u) | packUnorm4x8(vec4(srgb_of_linear(color), 0.0));
   }
-  const uint shaded = in_normals == uvec2(0u) ? 0u : pack_normal_30(corner_normal(in_normals, barycentric));
-  surface = uvec4(in_surface.x, base, pack_light(look.sky, look.bounce), look.sun | shaded << 2);
+  const uint shading_normal = in_normals == uvec2(0u) ? 0u : pack_normal_30(corner_normal(in_normals, barycentric));
+  surface =
+      uvec4(in_surface.x, base, pack_light(attributes.sky, attributes.bounce), attributes.sun | shading_normal << 2);
 }

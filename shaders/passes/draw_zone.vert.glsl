@@ -14,7 +14,7 @@
 layout(location = 0) out vec3 out_steps;  // from the zone's origin, in its own steps
 layout(location = 1) out vec2 out_barycentric;
 layout(location = 2) flat out uvec4 out_surface;  // normal, base, light
-layout(location = 3) flat out uvec4 out_look;     // the Look; the atlas's first word and size
+layout(location = 3) flat out uvec4 out_appearance;     // the Appearance; the atlas's first word and size
 layout(location = 4) flat out uvec2 out_normals;
 layout(location = 5) flat out float out_texels_per_step;
 
@@ -35,17 +35,17 @@ void main() {
   gl_Position = frame.view_projection * vec4(p * frame.sun_radiance.w, 1.0);
   out_steps = (p - vec3(cluster.offset)) * exp2(-float(cluster.shift));
   out_barycentric = vec2(corner == 0u, corner == 1u);
-  uvec2 look;
-  const SurfaceLook material = host_material_look(cluster, packed_triangle, look);
+  uvec2 appearance;
+  const SurfaceAttributes material = host_material_attributes(cluster, packed_triangle, appearance);
   const uvec2 light = host_load_light(cluster, index);
   out_surface = uvec4(pack_normal(l > 0.0 ? n / l : vec3(0, 0, 1)),
                       pack_base(material.base, material.roughness, material.metallic), light);
   out_normals = host_load_normals(cluster, index);
-  out_look = uvec4(look, 0u, 0u);
+  out_appearance = uvec4(appearance, 0u, 0u);
   out_texels_per_step = 0.0;
-  if (host_is_textured(look)) {
+  if (host_is_textured(appearance)) {
     const host_Atlas atlas = host_load_atlas(cluster.page_word);
-    out_look.zw = uvec2(atlas.word, atlas.size);
+    out_appearance.zw = uvec2(atlas.word, atlas.size);
     out_texels_per_step = atlas.texels_per_step;
   }
 }

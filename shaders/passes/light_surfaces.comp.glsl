@@ -22,12 +22,12 @@ void main() {
     lit[index] = pack_color(sky_radiance(s.view), 0.0);
     return;
   }
-  float visibility = s.look.sun == kSunLit ? 1.0 : 0.0;
-  if (s.look.sun == kSunUnknown && dot(s.normal, frame.sun_direction.xyz) > 0.0) {
+  float visibility = s.attributes.sun == kSunLit ? 1.0 : 0.0;
+  if (s.attributes.sun == kSunUnknown && dot(s.normal, frame.sun_direction.xyz) > 0.0) {
     const float start_m = 1e-3 + 1e-5 * s.distance_m;
     const TraceRay ray =
-        TraceRay(s.position + s.normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w, s.leaves);
+        TraceRay(s.position + s.normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w, s.origin_normal);
     visibility = host_trace(ray, true).triangle == kHitNone ? 1.0 : 0.0;
   }
-  lit[index] = pack_color(irradiance(s.look, s.shaded, visibility), 0.0);
+  lit[index] = pack_color(irradiance(s.attributes, s.shading_normal, visibility), 0.0);
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Screen-space reflections by Hi-Z traversal (Uludag 2014, "Hi-Z Screen-Space Cone-Traced Reflections", GPU Pro 5), with
-// one difference: there is no thickness constant. A crossing counts as a hit where the ray meets the tangent plane of the
-// pixel's surface within that pixel, or next to it on the same plane; else the ray went behind something: *occluded*.
-// Every ray ends as hit, sky, occluded, off-screen or exhausted; the last three go on against the proxies from the last
-// point that was verified free.
+// Screen-space reflections by Hi-Z traversal (Uludag 2014, "Hi-Z Screen-Space Cone-Traced Reflections", GPU Pro 5),
+// with one difference: there is no thickness constant. A crossing counts as a hit where the ray meets the tangent plane
+// of the pixel's surface within that pixel, or next to it on the same plane; else the ray went behind something:
+// *occluded*. Every ray ends as hit, sky, occluded, off-screen or exhausted; the last three go on against the proxies
+// from the last point that was verified free.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"
@@ -37,8 +37,8 @@ float hiz_at(uint level, uvec2 cell) {
   return hiz[at.x + cell.y * at.y + cell.x];
 }
 
-// Whether the pixel that the ray came from shows the same plane: then the crossing may lie between the two pixels' centres.
-// At an outline it does not, and a ray that passes behind the outline must not be caught by it.
+// Whether the pixel that the ray came from shows the same plane: then the crossing may lie between the two pixels'
+// centres. At an outline it does not, and a ray that passes behind the outline must not be caught by it.
 bool same_plane(Surface h, vec2 from, float footprint_m) {
   const Surface before = load_surface(clamp(ivec2(from), ivec2(0), ivec2(frame.size.xy) - 1));
   return !before.sky && dot(before.normal, h.normal) > 0.9 &&
@@ -135,7 +135,10 @@ void main() {
     const Surface h = load_surface(march.pixel);
     const uint hit_index = uint(march.pixel.y) * frame.size.x + uint(march.pixel.x);
     const vec3 light = unpack_color(lit[hit_index]).rgb;
-    reflection[index] = pack_color(shade_mirrored(h.look, dot(h.shaded, direction) < 0.0 ? h.shaded : h.normal, direction, light, march.t), 0.0);
+    reflection[index] =
+        pack_color(shade_mirrored(h.attributes, dot(h.shading_normal, direction) < 0.0 ? h.shading_normal : h.normal,
+                                  direction, light, march.t),
+                   0.0);
     provenance[index] = kSourceScreen;
     atomicAdd(counters.rays_screen, 1u);
   } else if (march.end == kSky) {
@@ -148,7 +151,8 @@ void main() {
     // Where no ray ends on the screen, the queue is the list of pixels, tile by tile.
     const uint taken = atomicAdd(counters.ray_count, 1u);
     const uint ray = kUseScreen != 0u ? taken : i;
-    rays[ray] = RayTask(origin.x, origin.y, origin.z, march.t * 0.998, direction.x, direction.y, direction.z, s.leaves);
+    rays[ray] =
+        RayTask(origin.x, origin.y, origin.z, march.t * 0.998, direction.x, direction.y, direction.z, s.origin_normal);
     hits[ray].pixel = index;
   }
 }

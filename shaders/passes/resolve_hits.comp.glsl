@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Says hits as pages know them, for who reads them back: in `pixel` the page's first word, in `triangle` the position in
-// that page.
+// Says hits as pages know them, for who reads them back: in `pixel` the page's first word, in `triangle` the position
+// in that page.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"

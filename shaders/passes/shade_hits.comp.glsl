@@ -13,9 +13,9 @@ layout(local_size_x = 64) in;
 
 struct HitSurface {
   ZoneEntry zone;
-  vec3 outward;  // unit, as wound
-  vec3 shaded;   // unit, of the curved surface that the triangle stands in for, if it does
-  SurfaceLook look;
+  vec3 geometric_normal;  // unit, as wound
+  vec3 shading_normal;   // unit, of the curved surface that the triangle stands in for, if it does
+  SurfaceAttributes attributes;
 };
 
 #include "page/full_detail_set.glsl"
@@ -53,17 +53,18 @@ void main() {
       h = host_hit_surface(hit.triangle, position, footprint_m);
     else
       h = proxy_hit_surface(hit.triangle, position, footprint_m);
-    const vec3 normal = dot(h.outward, direction) > 0.0 ? -h.outward : h.outward;
-    const vec3 shaded = dot(h.shaded, direction) < 0.0 ? h.shaded : normal;
-    float visibility = h.look.sun == kSunLit ? 1.0 : 0.0;
-    if (h.look.sun == kSunUnknown && dot(normal, frame.sun_direction.xyz) > 0.0) {
+    const vec3 normal = dot(h.geometric_normal, direction) > 0.0 ? -h.geometric_normal : h.geometric_normal;
+    const vec3 shading_normal = dot(h.shading_normal, direction) < 0.0 ? h.shading_normal : normal;
+    float visibility = h.attributes.sun == kSunLit ? 1.0 : 0.0;
+    if (h.attributes.sun == kSunUnknown && dot(normal, frame.sun_direction.xyz) > 0.0) {
       const float start_m = 2e-3 + 2e-5 * hit.t;
-      const TraceRay ray =
-          TraceRay(position + normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w, pack_normal(h.outward));
+      const TraceRay ray = TraceRay(position + normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w,
+                                    pack_normal(h.geometric_normal));
       const uint blocker = kTraceHost != 0u ? host_trace(ray, true).triangle : proxy_trace(ray, true).triangle;
       visibility = blocker == kHitNone ? 1.0 : 0.0;
     }
-    color = shade_mirrored(h.look, shaded, direction, irradiance(h.look, shaded, visibility), hit.t);
+    color = shade_mirrored(h.attributes, shading_normal, direction,
+                           irradiance(h.attributes, shading_normal, visibility), hit.t);
     if ((h.zone.flags & kZoneCoarse) != 0u) {
       source = kSourceProxyCoarse;
       atomicAdd(counters.rays_proxy_coarse, 1u);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns the counts of the pixel, ray and retry lists into indirect arguments, in rows of at most 65,535 groups: more in
-// one dimension is not for every device. See list_index.glsl.
+// Turns the counts of the pixel, ray and fallback lists into indirect arguments, in rows of at most 65,535 groups: more
+// in one dimension is not for every device. See list_index.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"
@@ -34,9 +34,9 @@ void main() {
   counters.packet_groups_x = packets.x;
   counters.packet_groups_y = packets.y;
   counters.packet_groups_z = packets.z;
-  const uvec3 retries =
-      groups_of(kRaysPerLane > 0 ? counters.retry_count * kTeam * rays_per_lane : counters.ray_count, kTraceWidth);
-  counters.retry_groups_x = retries.x;
-  counters.retry_groups_y = retries.y;
-  counters.retry_groups_z = retries.z;
+  const uvec3 fallback_rays = groups_of(
+      kRaysPerLane > 0 ? counters.fallback_count * kLaneGroup * rays_per_lane : counters.ray_count, kTraceWidth);
+  counters.fallback_groups_x = fallback_rays.x;
+  counters.fallback_groups_y = fallback_rays.y;
+  counters.fallback_groups_z = fallback_rays.z;
 }

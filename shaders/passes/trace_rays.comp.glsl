@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closest or any hits of single rays, against the proxies or the host's full detail: those that packets gave back, or all.
+// Closest or any hits of single rays, against the proxies or the host's full detail: those that packets left to
+// fallback rays, or all.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"

@@ -13,12 +13,13 @@ struct Surface {
   bool sky;
   vec3 position;  // metres, relative to camera_lattice
   vec3 normal;    // unit, towards the viewer
-  vec3 outward;   // unit, as the model winds the face
-  vec3 shaded;    // unit, towards the viewer: the normal of the curved surface that the face stands in for, if it does
-  uint leaves;    // the same, packed
+  vec3 geometric_normal;   // unit, as the model winds the face
+  vec3 shading_normal;  // unit, towards the viewer: the normal of the curved surface that the face stands in for, if it
+                        // does
+  uint origin_normal;  // geometric_normal, packed: as in RayTask
   vec3 view;      // unit, from the eye to the surface
   float distance_m;  // along the view axis
-  SurfaceLook look;
+  SurfaceAttributes attributes;
 };
 
 Surface load_surface(ivec2 pixel) {
@@ -30,18 +31,19 @@ Surface load_surface(ivec2 pixel) {
   s.distance_m = frame.eye.w / max(depth, 1e-12);
   s.position = frame.eye.xyz + direction * s.distance_m;
   const uvec4 packed_surface = texelFetch(surface_image, pixel, 0);
-  s.leaves = packed_surface.x;
-  s.outward = unpack_normal(packed_surface.x);
-  s.normal = dot(s.outward, s.view) > 0.0 ? -s.outward : s.outward;
-  s.look = unpack_look(packed_surface.y, packed_surface.z, packed_surface.w & 3u);
-  s.shaded = packed_surface.w >> 2 == 0u ? s.normal : unpack_normal_30(packed_surface.w >> 2);
-  if (dot(s.shaded, s.view) > 0.0) s.shaded = normalize(s.shaded - 2.0 * dot(s.shaded, s.view) * s.view);
+  s.origin_normal = packed_surface.x;
+  s.geometric_normal = unpack_normal(packed_surface.x);
+  s.normal = dot(s.geometric_normal, s.view) > 0.0 ? -s.geometric_normal : s.geometric_normal;
+  s.attributes = unpack_attributes(packed_surface.y, packed_surface.z, packed_surface.w & 3u);
+  s.shading_normal = packed_surface.w >> 2 == 0u ? s.normal : unpack_normal_30(packed_surface.w >> 2);
+  if (dot(s.shading_normal, s.view) > 0.0)
+    s.shading_normal = normalize(s.shading_normal - 2.0 * dot(s.shading_normal, s.view) * s.view);
   return s;
 }
 
 // Where a mirror sends what the viewer sees; never into the face.
 vec3 mirrored_direction(Surface s) {
-  const vec3 d = reflect(s.view, s.shaded);
+  const vec3 d = reflect(s.view, s.shading_normal);
   const float below = dot(d, s.normal);
   return below > 0.0 ? d : normalize(d + (1e-3 - below) * s.normal);
 }

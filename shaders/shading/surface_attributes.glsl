@@ -4,7 +4,7 @@
 
 #include "page/octahedral.glsl"
 
-struct SurfaceLook {
+struct SurfaceAttributes {
   vec3 base;  // linear
   float roughness;
   float metallic;
@@ -34,21 +34,21 @@ uint pack_base(vec3 base, float roughness, float metallic) {
          uint(metallic * 3.0 + 0.5) << 30;
 }
 
-// On the colour of a page's Look.
-float look_gain(uvec2 look) { return exp2(-float(look.x >> 23 & 255u) / 32.0); }
+// On the colour of a page's Appearance.
+float appearance_gain(uvec2 appearance) { return exp2(-float(appearance.x >> 23 & 255u) / 32.0); }
 
 // Sky share, then the square root of half the bounced light: 8 bits each.
 uint pack_light(float sky, vec3 bounce) { return packUnorm4x8(vec4(sqrt(clamp(bounce * 0.5, 0.0, 1.0)), sky)); }
 
-SurfaceLook unpack_look(uint base, uint light, uint sun) {
-  SurfaceLook look;
-  look.base = linear_of_srgb(unpackUnorm4x8(base).rgb);
+SurfaceAttributes unpack_attributes(uint base, uint light, uint sun) {
+  SurfaceAttributes attributes;
+  attributes.base = linear_of_srgb(unpackUnorm4x8(base).rgb);
   const float root = float(base >> 24 & 63u) / 63.0;
-  look.roughness = root * root;
-  look.metallic = float(base >> 30) / 3.0;
+  attributes.roughness = root * root;
+  attributes.metallic = float(base >> 30) / 3.0;
   const vec4 l = unpackUnorm4x8(light);
-  look.bounce = 2.0 * l.rgb * l.rgb;
-  look.sky = l.a;
-  look.sun = sun;
-  return look;
+  attributes.bounce = 2.0 * l.rgb * l.rgb;
+  attributes.sky = l.a;
+  attributes.sun = sun;
+  return attributes;
 }

@@ -42,15 +42,15 @@ ZC_CONST(uint, kBindHits, 14u);        // HitRecord
 ZC_CONST(uint, kBindCounters, 15u);
 ZC_CONST(uint, kBindOutput, 16u);   // uint a pixel: RGBA8 sRGB
 ZC_CONST(uint, kBindDepth, 17u);    // sampled: reversed-Z depth
-ZC_CONST(uint, kBindSurface, 18u);  // sampled: octahedral normal, base, light, sun (look.glsl)
+ZC_CONST(uint, kBindSurface, 18u);  // sampled: octahedral normal, base, light, sun (surface_attributes.glsl)
 // The pools once more as texel buffers of one and of four words: on some drivers a fetch is several times faster than a
 // load from a storage buffer (measured: Mesa 22.3 lavapipe, 2.4 times for a whole traversal).
 ZC_CONST(uint, kBindProxyTexels, 19u);
 ZC_CONST(uint, kBindProxyTexels4, 20u);
 ZC_CONST(uint, kBindHostTexels, 21u);
 ZC_CONST(uint, kBindHostTexels4, 22u);
-ZC_CONST(uint, kBindRayTexels4, 23u);  // the ray queue, as texels of four words
-ZC_CONST(uint, kBindRetries, 24u);     // Retry
+ZC_CONST(uint, kBindRayTexels4, 23u);    // the ray queue, as texels of four words
+ZC_CONST(uint, kBindFallbackRays, 24u);  // FallbackRays
 
 ZC_CONST(uint, kHizLevels, 12u);
 
@@ -83,8 +83,8 @@ struct RayTask {
   float dir_x;  // unit
   float dir_y;
   float dir_z;
-  uint leaves;  // normal, as wound, of the surface that the ray leaves (octahedral.glsl), or kNoSurface: every hit
-                // counts
+  uint origin_normal;  // normal, as wound, of the surface that the ray leaves (octahedral.glsl), or kNoSurface: every
+                       // hit counts
 };
 ZC_CONST(uint, kNoSurface, 0x80008000u);  // no normal is packed so
 
@@ -99,8 +99,9 @@ struct HitRecord {
   uint pixel;     // that asked
 };
 
-// Rays that a packet gave back: bit 8 * (lane % 4) + r of mask lane / 4 stands for ray first_ray + 8 * r + lane.
-struct Retry {
+// Rays that a packets left to fallback rays: bit 8 * (lane % 4) + r of mask lane / 4 stands for ray first_ray + 8 * r +
+// lane.
+struct FallbackRays {
   uint first_ray;
   uint mask_low;
   uint mask_high;
@@ -120,13 +121,13 @@ struct Counters {
   uint rays_proxy_coarse;
   uint rays_sky;
   uint rays_lost;
-  uint retry_count;
+  uint fallback_count;
   uint packet_groups_x;  // indirect arguments of the packet trace
   uint packet_groups_y;
   uint packet_groups_z;
-  uint retry_groups_x;  // and of the rays that packets gave back
-  uint retry_groups_y;
-  uint retry_groups_z;
+  uint fallback_groups_x;  // and of the rays that packets left to fallback rays
+  uint fallback_groups_y;
+  uint fallback_groups_z;
   uint out_of_page;  // words asked for outside the pages and the top level; counted only with kCheckAccess
 };
 
@@ -155,7 +156,7 @@ ZC_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(zc::gpu::RayTask) == 32);
 static_assert(sizeof(zc::gpu::HitRecord) == 12);
-static_assert(sizeof(zc::gpu::Retry) == 12);
+static_assert(sizeof(zc::gpu::FallbackRays) == 12);
 static_assert(sizeof(zc::gpu::Counters) == 84);
 static_assert(sizeof(zc::gpu::FrameData) == 64 + 10 * 16 + 16 * zc::gpu::kHizLevels);
 #endif

@@ -6,7 +6,7 @@
 //   cluster: ClusterHeader (8 words) | triangle × triangle_count (1 word each) | vertices, 3 × u16 each | padding to 2
 //   words | TriangleLight × triangle_count | TriangleNormals × triangle_count | padding to 4 words
 //
-// The light, the normals, the looks and the atlas are there only where the zone needs them.
+// The light, the normals, the appearances and the atlas are there only where the zone needs them.
 //
 // Nodes are 8 wide. A child's box is 8-bit offsets from the node's origin in steps of 2^e lattice units per axis,
 // rounded outwards, after Ylitie, Karras & Laine 2017, "Efficient incoherent ray traversal on GPUs through compressed
@@ -17,7 +17,7 @@
 // in the page's palette. Every triangle position of a node's leaves lies in one cluster.
 //
 // Texture coordinates are not stored: a chart is a flat region seen along one lattice axis, so that two of a point's
-// lattice coordinates, scaled and moved as the triangle's Look says, are its place in the atlas. The atlas is BC1
+// lattice coordinates, scaled and moved as the triangle's Appearance says, are its place in the atlas. The atlas is BC1
 // blocks of 4 × 4 texels in rows, level by level, each half as large as the one before; it is read as words like
 // everything else, so that it needs no image, no sampler and no format of the device.
 #ifndef ZC_SHADERS_SHARED_PAGE_H
@@ -51,7 +51,7 @@ ZC_CONST(uint, kPageMaxDepth, 16u);
 
 // Flags of a page.
 ZC_CONST(uint, kPageSplitTriangles, 1u);  // some triangles are in several leaves, each of which holds only a part
-ZC_CONST(uint, kPageLooks, 2u);           // the palette is of Looks; without it, of 16-bit materials, two to a word
+ZC_CONST(uint, kPageAppearances, 2u);     // the palette is of Looks; without it, of 16-bit materials, two to a word
 ZC_CONST(uint, kPageLight, 4u);           // its clusters have light
 ZC_CONST(uint, kPageNormals, 8u);         // some of its clusters have normals
 ZC_CONST(uint, kPageFlags, 15u);          // all there are
@@ -61,14 +61,14 @@ ZC_CONST(uint, kClusterVertexBits, 9u);
 ZC_CONST(uint, kClusterTriangleBits, 10u);
 ZC_CONST(uint, kClusterLight, 1u << 19);
 ZC_CONST(uint, kClusterNormals, 1u << 20);
-ZC_CONST(uint, kClusterLooks, 1u << 21);  // as its page
+ZC_CONST(uint, kClusterAppearances, 1u << 21);  // as its page
 ZC_CONST(uint, kClusterShiftBit, 27u);
 
-// Where a Look takes its base colour from.
-ZC_CONST(uint, kLookPlain, 0u);     // its material
-ZC_CONST(uint, kLookColor, 1u);     // itself
-ZC_CONST(uint, kLookTextured, 2u);  // the atlas
-ZC_CONST(uint, kAtlasMinLog2, 2u);  // of its width and height, at every level: whole blocks
+// Where an Appearance takes its base colour from.
+ZC_CONST(uint, kAppearancePlain, 0u);     // its material
+ZC_CONST(uint, kAppearanceColor, 1u);     // itself
+ZC_CONST(uint, kAppearanceTextured, 2u);  // the atlas
+ZC_CONST(uint, kAtlasMinLog2, 2u);        // of its width and height, at every level: whole blocks
 ZC_CONST(uint, kAtlasMaxLog2, 10u);
 ZC_CONST(uint, kAtlasMaxLevels, 8u);
 
@@ -126,11 +126,12 @@ struct ClusterHeader {
   uint palette_words;    // from this header to the page's palette
 };
 
-struct Look {
+struct Appearance {
   uint material;  // 16 bits; from bit 16 what colours it (kLook…, 2 bits); from bit 18 the axis that its chart is seen
                   // along (2 bits); from bit 20 log2 of how much wider than the zone's its texels are (3 bits); from
                   // bit 23 by how many 32nds of a power of two texels and colour are too bright (8 bits)
-  uint place;  // kLookColor: sRGB, 8 bits each; kLookTextured: added to the texel, u and v, 16 bits each, signed
+  uint place;  // kAppearanceColor: sRGB, 8 bits each; kAppearanceTextured: added to the texel, u and v, 16 bits each,
+               // signed
 };
 
 // Baked over the full detail, at the corners of a triangle or for all of it; what no bake knows is white and unshaded.
@@ -175,7 +176,7 @@ static_assert(sizeof(zc::gpu::PageHeader) == 4 * zc::gpu::kPageHeaderWords);
 static_assert(offsetof(zc::gpu::PageHeader, total_words) == 4 * zc::gpu::kPageTotalWord);
 static_assert(sizeof(zc::gpu::PageNode) == 4 * zc::gpu::kPageNodeWords);
 static_assert(sizeof(zc::gpu::ClusterHeader) == 4 * zc::gpu::kClusterHeaderWords);
-static_assert(sizeof(zc::gpu::Look) == 8);
+static_assert(sizeof(zc::gpu::Appearance) == 8);
 static_assert(sizeof(zc::gpu::TriangleLight) == 8);
 static_assert(sizeof(zc::gpu::TriangleNormals) == 8);
 static_assert(offsetof(zc::gpu::PageHeader, atlas_offset_words) == 4 * zc::gpu::kPageAtlasWord);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the shaders know of the resident zones besides their pages: one ZoneEntry a zone, in the order of the pages in the
-// pool. It is in world lattice units, so moving the camera uploads nothing; it changes only with residency. The top-level
-// BVH over the zones is made of PageNodes and lies in the pool behind the pages.
+// What the shaders know of the resident zones besides their pages: one ZoneEntry a zone, in the order of the pages in
+// the pool. It is in world lattice units, so moving the camera uploads nothing; it changes only with residency. The
+// top-level BVH over the zones is made of PageNodes and lies in the pool behind the pages.
 #ifndef ZC_SHADERS_SHARED_SCENE_H
 #define ZC_SHADERS_SHARED_SCENE_H
 

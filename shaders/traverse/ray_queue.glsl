@@ -5,24 +5,24 @@
 layout(constant_id = 4) const int kRaysPerLane = 4;  // of packets; 0: there are none
 layout(constant_id = 8) const uint kAnyHit = 0u;      // 1: rays end at any hit
 
-// An invocation's ray among those that packets gave back, or among all. False: none is left for it.
+// An invocation's ray among those that packets left to fallback rays, or among all. False: none is left for it.
 bool take_ray(uint place, out uint index, out TraceRay ray) {
   index = place;
   if (kRaysPerLane > 0) {
-    const uint packet = kTeam * uint(kRaysPerLane);
+    const uint packet = kLaneGroup * uint(kRaysPerLane);
     const uint in_packet = place % packet;
-    if (place / packet >= counters.retry_count) return false;
-    const Retry retry = retries[place / packet];
-    const uint lane = in_packet % kTeam;
-    const uint mask = lane < 4u ? retry.mask_low : retry.mask_high;
-    if ((mask >> (8u * (lane & 3u) + in_packet / kTeam) & 1u) == 0u) return false;
-    index = retry.first_ray + in_packet;
+    if (place / packet >= counters.fallback_count) return false;
+    const FallbackRays entry = fallback_rays[place / packet];
+    const uint lane = in_packet % kLaneGroup;
+    const uint mask = lane < 4u ? entry.mask_low : entry.mask_high;
+    if ((mask >> (8u * (lane & 3u) + in_packet / kLaneGroup) & 1u) == 0u) return false;
+    index = entry.first_ray + in_packet;
   } else if (place >= counters.ray_count) {
     return false;
   }
   const RayTask task = load_ray(index);
   ray = TraceRay(vec3(task.origin_x, task.origin_y, task.origin_z), task.t_min,
-                 vec3(task.dir_x, task.dir_y, task.dir_z), frame.forward.w, task.leaves);
+                 vec3(task.dir_x, task.dir_y, task.dir_z), frame.forward.w, task.origin_normal);
   return true;
 }
 

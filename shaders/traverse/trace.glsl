@@ -5,8 +5,8 @@
 
 layout(constant_id = 0) const int kStackSize = 32;  // from the data: deepest page + deepest top level
 
-// Nodes a ray may visit; a heavy ray of a city takes some fifty. With up to 32 triangles a node this stays below the 65,535
-// iterations over all loops after which lavapipe ends them silently.
+// Nodes a ray may visit; a heavy ray of a city takes some fifty. With up to 32 triangles a node this stays below the
+// 65,535 iterations over all loops after which lavapipe ends them silently.
 const int kStepLimit = 1900;
 
 struct TraceRay {
@@ -14,7 +14,7 @@ struct TraceRay {
   float t_min;
   vec3 direction;  // unit
   float t_max;
-  uint leaves;  // as in RayTask
+  uint origin_normal;  // as in RayTask
 };
 
 struct TraceHit {
@@ -37,8 +37,8 @@ vec3 safe_reciprocal(vec3 d) {
 // Bit per axis in which the ray runs backwards.
 uint direction_octant(vec3 d) { return (d.x < 0.0 ? 1u : 0u) | (d.y < 0.0 ? 2u : 0u) | (d.z < 0.0 ? 4u : 0u); }
 
-// What remains to be visited of one node's children: x = word of its first child node; y = from bit 24 the children hit,
-// one bit a slot in front-to-back order, and in the low byte which slots are nodes.
+// What remains to be visited of one node's children: x = word of its first child node; y = from bit 24 the children
+// hit, one bit a slot in front-to-back order, and in the low byte which slots are nodes.
 uvec2 root_group(uint root) { return uvec2(root, 1u << 24); }
 
 // What a node says of its children, beside their boxes.
@@ -87,13 +87,13 @@ uint slot_triangles(uint counts, uint slot) {
   return ((1u << (counts >> (4u * slot) & 15u)) - 1u) << first;
 }
 
-// Plane q, a byte, is read as v = 1 + q / 2^15 by putting it into a float's mantissa: converting integers costs discrete
-// GPUs four times as much. Entry distance is v * scale + near_start, exit distance v * scale + far_start; the true one is
-// (q * 2^e + from) / d. With the scale 2^15 times as large and the start less that scale, floats are off by at most 9 units
-// of 2^-24 of |from / d|, the reciprocal's 2.5 ulp included, and 4 of |scale|: widening both starts by 16 units of their
-// sum covers it and costs a 32nd of a grid cell.
-// (The usual slab test with fused multiply-add has no such bound and loses boxes far from the origin; Ize 2013 pads the
-// far distance only, which holds for (plane - origin) * reciprocal.)
+// Plane q, a byte, is read as v = 1 + q / 2^15 by putting it into a float's mantissa: converting integers costs
+// discrete GPUs four times as much. Entry distance is v * scale + near_start, exit distance v * scale + far_start; the
+// true one is (q * 2^e + from) / d. With the scale 2^15 times as large and the start less that scale, floats are off by
+// at most 9 units of 2^-24 of |from / d|, the reciprocal's 2.5 ulp included, and 4 of |scale|: widening both starts by
+// 16 units of their sum covers it and costs a 32nd of a grid cell. (The usual slab test with fused multiply-add has no
+// such bound and loses boxes far from the origin; Ize 2013 pads the far distance only, which holds for (plane - origin)
+// * reciprocal.)
 struct SlabTest {
   vec3 scale;
   vec3 near_start;
@@ -114,8 +114,8 @@ float plane_at(uint planes, int i) {
 }
 
 // Four children at once: bit i is set when the ray meets child i between t_min and t_max. Distances are compared as
-// integers: IEEE floats of one sign order alike, and a negative exit distance loses to t_min >= 0 however it compares with
-// other negatives. (A minimum of floats costs llvmpipe three instructions for NaN, one of integers costs one.)
+// integers: IEEE floats of one sign order alike, and a negative exit distance loses to t_min >= 0 however it compares
+// with other negatives. (A minimum of floats costs llvmpipe three instructions for NaN, one of integers costs one.)
 uint hit_four(SlabTest s, uint near_x, uint near_y, uint near_z, uint far_x, uint far_y, uint far_z, float t_min,
               float t_max) {
   const int least = floatBitsToInt(t_min);
@@ -215,16 +215,16 @@ bool hit_triangle(Triangle s, vec3 origin, vec3 scale, out float t) {
   return positive != negative;  // both: seen edge on
 }
 
-// A hit on the surface that the ray itself leaves, seen through a proxy that lies up to its error off it, is no hit: the
-// proxy's measured error bound decides, not a constant (the thesis's self-reflection fault). Such a face winds as the
-// surface does; a façade across the street winds against it and counts however coarse the proxy is.
+// A hit on the surface that the ray itself leaves, seen through a proxy that lies up to its error off it, is no hit:
+// the proxy's measured error bound decides, not a constant (the thesis's self-reflection fault). Such a face winds as
+// the surface does; a façade across the street winds against it and counts however coarse the proxy is.
 bool winds_with(vec3 normal, vec3 plane) {
   precise float along = dot(normal, plane);
   return along > 0.7 * length(normal);
 }
 
 // How fast a ray leaves its plane: height per distance. Its direction is its shear over `scale.z`. Permuted.
-float climb_of(vec3 scale, vec3 plane) {
-  precise float climb = (scale.x * plane.x + scale.y * plane.y + plane.z) / scale.z;
-  return abs(climb);
+float cos_theta_of(vec3 scale, vec3 plane) {
+  precise float cos_theta = (scale.x * plane.x + scale.y * plane.y + plane.z) / scale.z;
+  return abs(cos_theta);
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Closest and any hit of one ray an invocation against one set of zones (proxy_set.glsl, host_set.glsl) in some layout
-// (page_layout.glsl), by the node order of Ylitie, Karras & Laine 2017, section 4: children lie in slots such that `slot
-// ^ octant` is roughly front to back; a stack entry is what remains of one node's children.
-// Everything runs in lattice units relative to the camera's lattice point: multiplying by a power of two is exact, so
-// distances convert to metres without loss.
+// (page_layout.glsl), by the node order of Ylitie, Karras & Laine 2017, section 4: children lie in slots such that
+// `slot ^ octant` is roughly front to back; a stack entry is what remains of one node's children. Everything runs in
+// lattice units relative to the camera's lattice point: multiplying by a power of two is exact, so distances convert to
+// metres without loss.
 
 #include "traverse/stack.glsl"
 
@@ -15,9 +15,9 @@ TraceHit PAGE_NAME(trace)(TraceRay ray, bool any) {
   const vec3 reciprocal = safe_reciprocal(ray.direction);
   const Shear shear = make_shear(ray.direction);
   const vec3 sheared_origin = permute(origin, shear.longest);
-  const bool leaves_surface = ray.leaves != kNoSurface;
-  const vec3 sheared_plane = permute(unpack_normal(ray.leaves), shear.longest);
-  const float climb = climb_of(shear.scale, sheared_plane);
+  const bool has_origin_surface = ray.origin_normal != kNoSurface;
+  const vec3 sheared_plane = permute(unpack_normal(ray.origin_normal), shear.longest);
+  const float cos_theta = cos_theta_of(shear.scale, sheared_plane);
   const uint octant = direction_octant(ray.direction);
   const bvec3 backward = lessThan(reciprocal, vec3(0.0));  // as the slab test sees it: -0 runs backwards
   const float t_min = ray.t_min * per_m;
@@ -62,7 +62,8 @@ TraceHit PAGE_NAME(trace)(TraceRay ray, bool any) {
             make_triangle(permute(a, shear.longest), permute(b, shear.longest), permute(c, shear.longest));
         float t;
         const bool met = hit_triangle(shape, sheared_origin, shear.scale, t);
-        const bool own = leaves_surface && winds_with(shape.normal, sheared_plane) && t * climb * step_m <= own_height_m;
+        const bool own =
+            has_origin_surface && winds_with(shape.normal, sheared_plane) && t * cos_theta * step_m <= own_height_m;
         // Of triangles at the same distance the first in the pool wins, in whatever order they are met.
         const uint hit = PAGE_NAME(hit_of)(cluster, word);
         if (met && t >= t_min && (t < t_max || (t == t_max && hit < best)) && !own) {

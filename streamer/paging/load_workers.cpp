@@ -31,7 +31,7 @@ LoadWorkers::~LoadWorkers() {
 }
 
 void LoadWorkers::submit(std::uint64_t ticket, std::uint32_t node) {
-  std::unique_ptr<Reading> files = source_.begin(page_files(index_.nodes[node]));
+  std::unique_ptr<AsyncRead> files = source_.begin(page_files(index_.nodes[node]));
   {
     const std::lock_guard lock(mutex_);
     queue_.push_back({ticket, node, std::move(files)});
@@ -40,7 +40,7 @@ void LoadWorkers::submit(std::uint64_t ticket, std::uint32_t node) {
 }
 
 bool LoadWorkers::cancel(std::uint64_t ticket) {
-  std::unique_ptr<Reading> given_up;
+  std::unique_ptr<AsyncRead> given_up;
   const std::lock_guard lock(mutex_);
   const auto job = std::find_if(queue_.begin(), queue_.end(), [&](const Job& j) { return j.ticket == ticket; });
   if (job == queue_.end()) {

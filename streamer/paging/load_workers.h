@@ -58,7 +58,7 @@ class LoadWorkers {
   struct Job {
     std::uint64_t ticket;
     std::uint32_t node;
-    std::unique_ptr<Reading> files;
+    std::unique_ptr<AsyncRead> files;
   };
   void work(unsigned worker);
 
@@ -70,7 +70,7 @@ class LoadWorkers {
   std::condition_variable scratch_freed_;
   std::uint64_t scratch_free_bytes_;
   std::deque<Job> queue_;
-  std::map<std::uint64_t, Reading*> at_work_;
+  std::map<std::uint64_t, AsyncRead*> at_work_;
   std::map<std::uint64_t, Loaded> results_;
   bool stop_ = false;
   std::vector<std::jthread> threads_;  // last: they use everything above

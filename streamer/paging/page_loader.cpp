@@ -11,7 +11,7 @@
 namespace zc {
 namespace {
 
-Result<std::vector<std::uint32_t>> load(Reading& files, const WorldIndex& index, std::uint32_t node,
+Result<std::vector<std::uint32_t>> load(AsyncRead& files, const WorldIndex& index, std::uint32_t node,
                                         std::chrono::steady_clock::time_point* read_at) {
   const NodeRecord& record = index.nodes[node];
   const std::string bvh_name = node_file(record, "zbvh");
@@ -32,7 +32,7 @@ std::vector<WantedFile> page_files(const NodeRecord& node) {
           {node_file(node, "zbvh"), node.bvh_bytes, node.bvh_xxh3}};
 }
 
-Result<std::vector<std::uint32_t>> load_page(Reading& files, const WorldIndex& index, std::uint32_t node,
+Result<std::vector<std::uint32_t>> load_page(AsyncRead& files, const WorldIndex& index, std::uint32_t node,
                                              std::chrono::steady_clock::time_point* read_at) {
   try {
     return load(files, index, node, read_at);

@@ -16,8 +16,8 @@ namespace zc {
 // The files that a node's page is made of.
 [[nodiscard]] std::vector<WantedFile> page_files(const NodeRecord& node);
 
-// From a Reading of page_files(). `read_at`: set to when both files had been read, or the reading failed.
-Result<std::vector<std::uint32_t>> load_page(Reading& files, const WorldIndex& index, std::uint32_t node,
+// From an AsyncRead of page_files(). `read_at`: set to when both files had been read, or the reading failed.
+Result<std::vector<std::uint32_t>> load_page(AsyncRead& files, const WorldIndex& index, std::uint32_t node,
                                              std::chrono::steady_clock::time_point* read_at = nullptr);
 
 // At once, for callers that have nothing else to do: what may pass (kTransient) is tried again, with_retries.

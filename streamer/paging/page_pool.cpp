@@ -15,8 +15,8 @@ PagePool::PagePool(const WorldIndex& index, PageSink& sink, std::uint64_t pool_w
     : index_(index), sink_(sink), pool_(pool_words), nodes_(index), offsets_(index.nodes.size()) {
   ZC_CHECK(pool_words / kPageAlignWords <= std::numeric_limits<std::uint32_t>::max());
   // Reserved to their largest, so that none ever grows beyond what the ledger counts.
-  for (std::vector<std::uint32_t>* list : {&residents_, &cover_, &previous_cover_}) list->reserve(pages);
-  cover_offsets_.reserve(pages);
+  for (std::vector<std::uint32_t>* list : {&residents_, &cut_, &previous_cut_}) list->reserve(pages);
+  cut_offsets_.reserve(pages);
 }
 
 std::uint64_t PagePool::page_words(std::uint32_t node) const { return index_.nodes[node].page_bytes / 4; }
@@ -107,14 +107,14 @@ Status PagePool::compact(std::uint64_t words) {
   return {};
 }
 
-void PagePool::update_cover() {
+void PagePool::update_rendered_cut() {
   if (!std::exchange(changed_, false)) return;
-  std::swap(cover_, previous_cover_);
-  nodes_.collect(cover_);
-  bool changed = cover_ != previous_cover_;
-  cover_offsets_.resize(cover_.size());
-  for (std::size_t i = 0; i < cover_.size(); ++i)
-    if (const std::uint64_t offset = offset_words(cover_[i]); std::exchange(cover_offsets_[i], offset) != offset)
+  std::swap(cut_, previous_cut_);
+  nodes_.collect(cut_);
+  bool changed = cut_ != previous_cut_;
+  cut_offsets_.resize(cut_.size());
+  for (std::size_t i = 0; i < cut_.size(); ++i)
+    if (const std::uint64_t offset = offset_words(cut_[i]); std::exchange(cut_offsets_[i], offset) != offset)
       changed = true;
   if (changed) ++generation_;
 }

@@ -26,15 +26,15 @@ class PagePool {
   Status add(std::uint32_t node, std::span<const std::uint32_t> page);
   void remove(std::uint32_t node);
 
-  [[nodiscard]] const Cover& nodes() const { return nodes_; }
+  [[nodiscard]] const RenderedCut& nodes() const { return nodes_; }
   [[nodiscard]] std::span<const std::uint32_t> residents() const { return residents_; }  // in no order
   [[nodiscard]] std::uint64_t offset_words(std::uint32_t node) const;
   [[nodiscard]] std::uint64_t page_bytes() const { return page_bytes_; }  // of the residents
 
   // Brings the cut up to date: sorted by id.
-  void update_cover();
-  [[nodiscard]] std::span<const std::uint32_t> cover() const { return cover_; }
-  [[nodiscard]] std::uint64_t cover_generation() const { return generation_; }
+  void update_rendered_cut();
+  [[nodiscard]] std::span<const std::uint32_t> rendered_cut() const { return cut_; }
+  [[nodiscard]] std::uint64_t rendered_cut_generation() const { return generation_; }
 
   [[nodiscard]] std::uint64_t compactions() const { return compactions_; }
   [[nodiscard]] std::uint64_t compacted_bytes() const { return compacted_bytes_; }
@@ -46,14 +46,14 @@ class PagePool {
   const WorldIndex& index_;
   PageSink& sink_;
   PoolAllocator pool_;
-  Cover nodes_;
+  RenderedCut nodes_;
   ZeroedArray<std::uint32_t> offsets_;  // of residents, in steps of kPageAlignWords
   std::vector<std::uint32_t> residents_;
   std::uint64_t page_bytes_ = 0;
   bool changed_ = false;
-  std::vector<std::uint32_t> cover_;
-  std::vector<std::uint32_t> previous_cover_;
-  std::vector<std::uint64_t> cover_offsets_;
+  std::vector<std::uint32_t> cut_;
+  std::vector<std::uint32_t> previous_cut_;
+  std::vector<std::uint64_t> cut_offsets_;
   std::uint64_t generation_ = 0;
   std::uint64_t compactions_ = 0;
   std::uint64_t compacted_bytes_ = 0;

@@ -49,12 +49,12 @@ struct Eviction {
   std::uint32_t node = 0;
 };
 
-// Per node of the world: state, whether it is selected, its place in the pool, what the cover counts.
+// Per node of the world: state, whether it is selected, its place in the pool, what the rendered cut counts.
 inline constexpr std::uint64_t kPagerBytesPerNode =
-    sizeof(NodeState) + 1 + sizeof(std::uint32_t) + Cover::kBytesPerNode;
+    sizeof(NodeState) + 1 + sizeof(std::uint32_t) + RenderedCut::kBytesPerNode;
 
-// Per page that can be there at once: id lists (residents, prefetched, used, and the cover now and before); cover
-// offsets; eviction heap; the selection's own.
+// Per page that can be there at once: id lists (residents, prefetched, used, and the rendered cut now and before);
+// cover offsets; eviction heap; the selection's own.
 inline constexpr std::uint64_t kPagerBytesPerPage =
     5 * sizeof(std::uint32_t) + sizeof(std::uint64_t) + sizeof(Eviction) + kSelectionBytesPerPage;
 

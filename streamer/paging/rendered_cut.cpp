@@ -7,28 +7,29 @@
 
 namespace zc {
 
-Cover::Cover(const WorldIndex& index) : index_(index), resident_(index.nodes.size()), counts_(index.nodes.size()) {}
+RenderedCut::RenderedCut(const WorldIndex& index)
+    : index_(index), resident_(index.nodes.size()), counts_(index.nodes.size()) {}
 
-void Cover::add(std::uint32_t node) {
+void RenderedCut::add(std::uint32_t node) {
   ZC_CHECK(!resident(node));
   const bool before = covered(node);
   resident_[node] = 1;
   if (!before) change_covered(node, true);
 }
 
-void Cover::remove(std::uint32_t node) {
+void RenderedCut::remove(std::uint32_t node) {
   ZC_CHECK(resident(node));
   resident_[node] = 0;
   if (!covered(node)) change_covered(node, false);
 }
 
-bool Cover::refinable(std::uint32_t node) const {
+bool RenderedCut::refinable(std::uint32_t node) const {
   const std::uint32_t children = index_.nodes[node].child_count;
   return children > 0 && counts_[node] == children;
 }
 
 // `node` has become covered, or no longer is: so may its ancestors.
-void Cover::change_covered(std::uint32_t node, bool to) {
+void RenderedCut::change_covered(std::uint32_t node, bool to) {
   while (node > 0) {
     const auto parent = static_cast<std::uint32_t>(index_.nodes[node].parent);
     const bool before = covered(parent);
@@ -38,14 +39,14 @@ void Cover::change_covered(std::uint32_t node, bool to) {
   }
 }
 
-void Cover::collect(std::vector<std::uint32_t>& cut) const {
+void RenderedCut::collect(std::vector<std::uint32_t>& cut) const {
   ZC_CHECK(resident(0));
   cut.clear();
   visit(0, cut);
   std::sort(cut.begin(), cut.end());
 }
 
-void Cover::visit(std::uint32_t node, std::vector<std::uint32_t>& cut) const {  // as deep as the tree
+void RenderedCut::visit(std::uint32_t node, std::vector<std::uint32_t>& cut) const {  // as deep as the tree
   if (!refinable(node)) {
     cut.push_back(node);
     return;

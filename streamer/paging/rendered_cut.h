@@ -13,10 +13,10 @@
 
 namespace zc {
 
-class Cover {
+class RenderedCut {
  public:
   // Borrows the index; nothing is resident.
-  explicit Cover(const WorldIndex& index);
+  explicit RenderedCut(const WorldIndex& index);
 
   // Of a node that is not resident; of one that is.
   void add(std::uint32_t node);

@@ -50,7 +50,7 @@ class Selector {
       bytes += pool_bytes(child);
     }
     // The root stays whatever covers it.
-    const bool covered = worst.node != 0 && query_.cover != nullptr && query_.cover->refinable(worst.node);
+    const bool covered = worst.node != 0 && query_.cut != nullptr && query_.cut->refinable(worst.node);
     const std::uint64_t own = covered ? pool_bytes(record) : 0;
     if (pages_ + record.child_count - (covered ? 1 : 0) > query_.most_pages) return;
     if (!admitted || bytes > query_.budget_bytes - (out_.bytes - own)) return;
@@ -73,7 +73,7 @@ class Selector {
               [](const auto& a, const auto& b) { return a.error != b.error ? a.error < b.error : a.node < b.node; });
     std::erase_if(out_.covered, [&](const Selection::Covered& covered) {
       const std::uint64_t bytes = pool_bytes(nodes_[covered.node]);
-      const bool there = query_.cover->resident(covered.node) || marked(covered.node, kMarkSelected);
+      const bool there = query_.cut->resident(covered.node) || marked(covered.node, kMarkSelected);
       if (!there || bytes > query_.budget_bytes - out_.bytes || pages_ == query_.most_pages) return false;
       out_.bytes += bytes;
       ++pages_;
@@ -115,12 +115,12 @@ class Selector {
 class WantedCounter {
  public:
   WantedCounter(const WorldIndex& index, std::span<const View> views, double tolerance, bool include_detail,
-                const Cover& cover)
+                const RenderedCut& cut)
       : nodes_(index.nodes),
         error_of_(index, views, true),
         tolerance_(tolerance),
         include_detail_(include_detail),
-        cover_(cover) {}
+        cut_(cut) {}
 
   WantedCount run() {
     visit(0);
@@ -132,10 +132,10 @@ class WantedCounter {
     const NodeRecord& node = nodes_[n];
     const bool refinable = node.child_count > 0 && (include_detail_ || !nodes_[node.first_child].is_detail());
     if (!refinable || error_of_.empty() || !(error_of_(node).plain > tolerance_)) {
-      add(cover_.covered(n));
+      add(cut_.covered(n));
       return;
     }
-    if (!cover_.any_child_covered(n)) {
+    if (!cut_.any_child_covered(n)) {
       add(false);
       return;
     }
@@ -151,7 +151,7 @@ class WantedCounter {
   const ErrorMeter error_of_;
   const double tolerance_;
   const bool include_detail_;
-  const Cover& cover_;
+  const RenderedCut& cut_;
   WantedCount count_;
 };
 
@@ -231,8 +231,8 @@ void mark_selection(const Selection& selection, std::span<std::uint8_t> marks, s
 }
 
 WantedCount count_wanted(const WorldIndex& index, std::span<const View> views, double tolerance, bool include_detail,
-                         const Cover& cover) {
-  return WantedCounter(index, views, tolerance, include_detail, cover).run();
+                         const RenderedCut& cut) {
+  return WantedCounter(index, views, tolerance, include_detail, cut).run();
 }
 
 }  // namespace zc

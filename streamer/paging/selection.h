@@ -66,7 +66,7 @@ struct SelectionQuery {
   std::span<const View> views = {};
   LoadLimits limits = {};
   std::span<const std::uint8_t> previous = {};  // per node: mark_selection()'s of the previous call; empty for none
-  const Cover* cover = nullptr;                 // what is resident; null: nothing
+  const RenderedCut* cut = nullptr;             // what is resident; null: nothing
   std::uint64_t budget_bytes = 0;               // pool bytes, the root's included
   std::size_t most_pages = std::numeric_limits<std::size_t>::max() / kSelectionNodesPerPage;  // selected nodes
   double tolerance = 0.002;
@@ -142,6 +142,6 @@ struct WantedCount {
   std::uint32_t missing = 0;  // of those: neither resident nor covered by finer pages
 };
 [[nodiscard]] WantedCount count_wanted(const WorldIndex& index, std::span<const View> views, double tolerance,
-                                       bool include_detail, const Cover& cover);
+                                       bool include_detail, const RenderedCut& cut);
 
 }  // namespace zc

@@ -77,7 +77,7 @@ class DirectorySource final : public Source {
   std::filesystem::path dir_;
 };
 
-class ReadWhenWaitedFor final : public Reading {
+class ReadWhenWaitedFor final : public AsyncRead {
  public:
   ReadWhenWaitedFor(Source& source, std::vector<WantedFile> files)
       : source_(source), files_(std::move(files)), bytes_(files_.size()) {}
@@ -111,7 +111,7 @@ Status check_wanted(std::span<const std::byte> bytes, const WantedFile& file) {
   return {};
 }
 
-std::unique_ptr<Reading> Source::begin(std::vector<WantedFile> files) {
+std::unique_ptr<AsyncRead> Source::begin(std::vector<WantedFile> files) {
   return std::make_unique<ReadWhenWaitedFor>(*this, std::move(files));
 }
 

@@ -31,12 +31,12 @@ Status check_name(const std::string& name);
 Status check_wanted(std::span<const std::byte> bytes, const WantedFile& file);
 
 // Files on their way; given up, with their memory, when it goes. Threads: wait() on one, cancel() from any.
-class Reading {
+class AsyncRead {
  public:
-  Reading() = default;
-  Reading(const Reading&) = delete;
-  Reading& operator=(const Reading&) = delete;
-  virtual ~Reading() = default;
+  AsyncRead() = default;
+  AsyncRead(const AsyncRead&) = delete;
+  AsyncRead& operator=(const AsyncRead&) = delete;
+  virtual ~AsyncRead() = default;
 
   // Blocks until the i-th file is there; its size and its hash are as wanted. The bytes stay as long as the Reading.
   virtual Result<std::span<const std::byte>> wait(std::size_t i) = 0;
@@ -83,7 +83,7 @@ class Source {
 
   // Files that are read together. A source behind a network has begun when this returns, and does not repeat what
   // fails; here, each is read when it is waited for.
-  virtual std::unique_ptr<Reading> begin(std::vector<WantedFile> files);
+  virtual std::unique_ptr<AsyncRead> begin(std::vector<WantedFile> files);
 
   [[nodiscard]] virtual SourceStatistics statistics() const { return {}; }
 

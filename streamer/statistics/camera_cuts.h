@@ -13,17 +13,17 @@
 
 namespace zc {
 
-inline constexpr double kTeleport_m = 100;
-inline constexpr double kTeleport_m_per_s = 1000;
+inline constexpr double kCameraCut_m = 100;
+inline constexpr double kCameraCut_m_per_s = 1000;
 
-class Teleports {
+class CameraCuts {
  public:
   // At the start of a frame; the views that are now, one a camera, always in the same order.
   void begin_frame(std::span<const View> views, double time_s);
   // At its end.
   void end_frame(bool everything_there);
 
-  [[nodiscard]] TeleportStatistics statistics() const;
+  [[nodiscard]] CameraCutStatistics statistics() const;
 
  private:
   std::vector<glm::dvec3> eyes_;  // one a camera

@@ -48,7 +48,7 @@ struct PrefetchBytes {
 };
 
 // A camera that moves 100 m and more in a frame, faster than 1,000 m/s.
-struct TeleportStatistics {
+struct CameraCutStatistics {
   std::uint64_t count = 0;
   std::uint64_t unfinished = 0;  // the next one came, or the path ended, before every wanted node was there
   LatencySummary to_target_ms;   // until every wanted node was there, on the path's clock
@@ -89,7 +89,7 @@ struct StreamerStatistics {
   std::uint32_t failed_nodes = 0;  // nodes that failed at least once
   RequestCounts requests;
   PrefetchBytes prefetch;
-  TeleportStatistics teleports;
+  CameraCutStatistics camera_cuts;
   LatencySummary request_to_resident_ms;
   std::array<LatencySummary, kLoadStateCount> state_ms;  // indexed by LoadState
   std::string event_log_xxh3;                            // 16 hexadecimal digits

@@ -19,28 +19,28 @@ namespace zc {
 namespace {
 
 BvhFileHeader header_of(const BvhFile& bvh) {
-  const ZoneAppearance& look = bvh.appearance;
+  const ZoneAppearance& appearance = bvh.appearance;
   BvhFileHeader header;
-  header.flags = (bvh.split ? gpu::kPageSplitTriangles : 0) | look.page_flags();
-  header.look_count = static_cast<std::uint32_t>(look.looks.size());
-  header.curved_count = static_cast<std::uint32_t>(look.curved.size());
-  header.atlas_size = look.atlas_size;
-  header.texels_per_step = look.texels_per_step;
+  header.flags = (bvh.split ? gpu::kPageSplitTriangles : 0) | appearance.page_flags();
+  header.appearance_count = static_cast<std::uint32_t>(appearance.appearances.size());
+  header.curved_count = static_cast<std::uint32_t>(appearance.curved.size());
+  header.atlas_size = appearance.atlas_size;
+  header.texels_per_step = appearance.texels_per_step;
   return header;
 }
 
 // By first use; those of no triangle go.
-void number_looks(ZoneAppearance& look) {
-  std::vector<std::uint32_t> number(look.looks.size(), UINT32_MAX);
-  std::vector<gpu::Look> used;
-  for (std::uint16_t& of : look.look_of) {
+void number_appearances(ZoneAppearance& appearance) {
+  std::vector<std::uint32_t> number(appearance.appearances.size(), UINT32_MAX);
+  std::vector<gpu::Appearance> used;
+  for (std::uint16_t& of : appearance.appearance_of) {
     if (number[of] == UINT32_MAX) {
       number[of] = static_cast<std::uint32_t>(used.size());
-      used.push_back(look.looks[of]);
+      used.push_back(appearance.appearances[of]);
     }
     of = static_cast<std::uint16_t>(number[of]);
   }
-  look.looks = std::move(used);
+  appearance.appearances = std::move(used);
 }
 
 template <class Coder>
@@ -56,23 +56,24 @@ void code_trims(Coder& coder, std::vector<LeafTrim>& trims) {
 
 // The part of the file that is coded, behind the tree and the trims.
 template <class Coder>
-const char* code_looks(Coder& coder, ZoneMesh& mesh, const BvhFileHeader& header, ZoneAppearance& look,
-                       const std::function<void(std::uint64_t BvhFileParts::*)>& done) {
-  if ((header.flags & gpu::kPageLooks) != 0) {
-    if (const char* fault = std::make_unique<LookCode<Coder>>(coder)->run(header, mesh.triangles.size(), look))
+const char* code_appearances(Coder& coder, ZoneMesh& mesh, const BvhFileHeader& header, ZoneAppearance& appearance,
+                             const std::function<void(std::uint64_t BvhFileParts::*)>& done) {
+  if ((header.flags & gpu::kPageAppearances) != 0) {
+    if (const char* fault =
+            std::make_unique<AppearanceCode<Coder>>(coder)->run(header, mesh.triangles.size(), appearance))
       return fault;
-    mesh.materials.resize(look.look_of.size());
-    for (std::size_t t = 0; t < look.look_of.size(); ++t)
-      mesh.materials[t] = static_cast<std::uint16_t>(look.looks[look.look_of[t]].material);
-    done(&BvhFileParts::looks);
+    mesh.materials.resize(appearance.appearance_of.size());
+    for (std::size_t t = 0; t < appearance.appearance_of.size(); ++t)
+      mesh.materials[t] = static_cast<std::uint16_t>(appearance.appearances[appearance.appearance_of[t]].material);
+    done(&BvhFileParts::appearances);
   } else {
     std::make_unique<MaterialCode<Coder>>(coder)->run(mesh.materials, mesh.triangles.size());
     done(&BvhFileParts::materials);
   }
-  if ((header.flags & gpu::kPageLight) != 0) std::make_unique<LightCode<Coder>>(coder, mesh, look.light)->run();
+  if ((header.flags & gpu::kPageLight) != 0) std::make_unique<LightCode<Coder>>(coder, mesh, appearance.light)->run();
   done(&BvhFileParts::light);
   if ((header.flags & gpu::kPageNormals) != 0)
-    if (const char* fault = std::make_unique<NormalCode<Coder>>(coder)->run(header, mesh, look)) return fault;
+    if (const char* fault = std::make_unique<NormalCode<Coder>>(coder)->run(header, mesh, appearance)) return fault;
   done(&BvhFileParts::normals);
   return nullptr;
 }
@@ -83,15 +84,17 @@ const char* check_header(const BvhFileHeader& header, const NodeRecord& node) {
   const auto counts = [&](std::uint32_t flag, std::uint32_t count, std::size_t most) {
     return (header.flags & flag) != 0 ? count > 0 && count <= most : count == 0;
   };
-  const std::size_t looks_most = std::min<std::size_t>(node.look_bytes / sizeof(gpu::Look), kZoneLooksMax);
-  if (!counts(gpu::kPageLooks, header.look_count, std::min<std::size_t>(looks_most, node.triangle_count)))
+  const std::size_t appearances_most =
+      std::min<std::size_t>(node.appearance_bytes / sizeof(gpu::Appearance), kZoneAppearancesMax);
+  if (!counts(gpu::kPageAppearances, header.appearance_count,
+              std::min<std::size_t>(appearances_most, node.triangle_count)))
     return "look count out of range";
   const std::size_t curved_most = node.normal_bytes / sizeof(gpu::TriangleNormals);
   if (!counts(gpu::kPageNormals, header.curved_count, std::min<std::size_t>(curved_most, node.triangle_count)))
     return "number of curved triangles out of range";
   if (((header.flags & gpu::kPageLight) != 0) != (node.light_bytes > 0)) return "light that the index does not know";
   const AtlasShape atlas = AtlasShape::unpack(header.atlas_size);
-  if (header.atlas_size != 0 && ((header.flags & gpu::kPageLooks) == 0 || !atlas.valid() ||
+  if (header.atlas_size != 0 && ((header.flags & gpu::kPageAppearances) == 0 || !atlas.valid() ||
                                  sizeof(std::uint32_t) * atlas.words() != node.texture_bytes))
     return "atlas size out of range";
   return nullptr;
@@ -123,41 +126,42 @@ std::uint32_t page_scratch_bytes(const NodeRecord& node, std::uint64_t vertex_co
       mesh + tree + array_scratch<std::uint32_t>(2 * clusters) + array_scratch<LeafTrim>(cut_leaves);
   const std::uint64_t box_stage = held + array_scratch<std::uint8_t>(nodes) + 2 * bits + array_scratch<NodeBox>(nodes);
 
-  std::uint64_t looks = array_scratch<std::uint16_t>(triangles);
-  if (node.look_bytes > 0)
-    looks += array_scratch<std::uint16_t>(triangles) + array_scratch<std::uint8_t>(node.look_bytes);
-  if (node.light_bytes > 0) looks += array_scratch<gpu::TriangleLight>(triangles);
+  std::uint64_t appearances = array_scratch<std::uint16_t>(triangles);
+  if (node.appearance_bytes > 0)
+    appearances += array_scratch<std::uint16_t>(triangles) + array_scratch<std::uint8_t>(node.appearance_bytes);
+  if (node.light_bytes > 0) appearances += array_scratch<gpu::TriangleLight>(triangles);
   const std::uint64_t curved = std::min<std::uint64_t>(triangles, node.normal_bytes / sizeof(gpu::TriangleNormals));
-  if (curved > 0) looks += array_scratch<std::uint32_t>(curved) + array_scratch<gpu::TriangleNormals>(curved);
+  if (curved > 0) appearances += array_scratch<std::uint32_t>(curved) + array_scratch<gpu::TriangleNormals>(curved);
   std::uint64_t at_vertices = 0;
   if (node.light_bytes > 0) at_vertices = LightOrder::scratch_bytes(triangles, vertex_count);
   if (curved > 0) at_vertices = std::max(at_vertices, array_scratch<std::array<std::uint16_t, 2>>(vertex_count));
   const std::uint64_t models =
-      std::max({node.look_bytes > 0 ? sizeof(LookCode<Decoder>) : sizeof(MaterialCode<Decoder>),
+      std::max({node.appearance_bytes > 0 ? sizeof(AppearanceCode<Decoder>) : sizeof(MaterialCode<Decoder>),
                 node.light_bytes > 0 ? sizeof(LightCode<Decoder>) + array_scratch<std::uint32_t>(256) : 0,
                 curved > 0 ? sizeof(NormalCode<Decoder>) : 0});
-  const std::uint64_t look_stage = held + models + looks + at_vertices;
+  const std::uint64_t appearance_stage = held + models + appearances + at_vertices;
 
-  const std::uint64_t palette = node.look_bytes > 0 ? node.look_bytes / sizeof(gpu::Look) : references + clusters;
+  const std::uint64_t palette =
+      node.appearance_bytes > 0 ? node.appearance_bytes / sizeof(gpu::Appearance) : references + clusters;
   const std::uint64_t checks =
       std::max(array_scratch<std::uint8_t>(nodes) + array_scratch<std::uint64_t>(references / 64 + 1),
                bits + array_scratch<PieceOfTriangle>(repeated));
-  const std::uint64_t page_stage = held + looks + array_scratch<std::uint8_t>(node.texture_bytes) +
+  const std::uint64_t page_stage = held + appearances + array_scratch<std::uint8_t>(node.texture_bytes) +
                                    2 * array_scratch<std::uint32_t>(clusters) +
                                    std::max(array_scratch<std::uint16_t>(grown(palette)), checks);
 
   constexpr std::uint64_t kFixed = 4 << 10U;  // one cluster, one palette, names
-  return clamp_bytes(std::max({tree_stage, box_stage, look_stage, page_stage}) + kFixed);
+  return clamp_bytes(std::max({tree_stage, box_stage, appearance_stage, page_stage}) + kFixed);
 }
 
 EncodedBvh encode_bvh_file(const BvhFile& bvh, const ZoneMesh& mesh, const NodeRecord& node) {
   ZC_CHECK(bvh.nodes.size() == node.bvh_node_count && bvh.order.size() == node.reference_count &&
            bvh.depth == node.bvh_depth && bvh.trims.size() == count_leaves(leaves_with_pieces(bvh)));
   EncodedBvh out;
-  ZoneAppearance look = bvh.appearance;
-  number_looks(look);
+  ZoneAppearance appearance = bvh.appearance;
+  number_appearances(appearance);
   BvhFileHeader header = header_of(bvh);
-  header.look_count = static_cast<std::uint32_t>(look.looks.size());
+  header.appearance_count = static_cast<std::uint32_t>(appearance.appearances.size());
   Encoder coder;
   std::uint64_t before = 0;
   const auto done = [&](std::uint64_t BvhFileParts::*part) {
@@ -170,16 +174,17 @@ EncodedBvh encode_bvh_file(const BvhFile& bvh, const ZoneMesh& mesh, const NodeR
   code_trims(coder, trims);
   done(&BvhFileParts::tree);
   ZoneMesh copy = mesh;  // written to as well: one function for both directions
-  ZC_CHECK(mesh.materials.size() == mesh.triangles.size() && code_looks(coder, copy, header, look, done) == nullptr);
+  ZC_CHECK(mesh.materials.size() == mesh.triangles.size() &&
+           code_appearances(coder, copy, header, appearance, done) == nullptr);
   const std::vector<std::byte> coded = coder.finish();
   out.parts.tree += sizeof header + coded.size() - before;
-  out.parts.texture = sizeof(std::uint32_t) * look.atlas.size();
+  out.parts.texture = sizeof(std::uint32_t) * appearance.atlas.size();
 
   out.bytes.resize(sizeof header + coded.size() + out.parts.texture);
   std::memcpy(out.bytes.data(), &header, sizeof header);
   std::ranges::copy(coded, out.bytes.begin() + sizeof header);
-  if (!look.atlas.empty())
-    std::memcpy(out.bytes.data() + sizeof header + coded.size(), look.atlas.data(), out.parts.texture);
+  if (!appearance.atlas.empty())
+    std::memcpy(out.bytes.data() + sizeof header + coded.size(), appearance.atlas.data(), out.parts.texture);
   return out;
 }
 
@@ -210,15 +215,15 @@ Result<BvhFile> decode_bvh_file(std::span<const std::byte> bytes, ZoneMesh& mesh
   bvh.trims.resize(count_leaves(leaves_with_pieces(bvh)));
   code_trims(coder, bvh.trims);
   ZC_TRY(fit_boxes(bvh, mesh, node, path));
-  ZoneAppearance& look = bvh.appearance;
-  if (const char* cause = code_looks(coder, mesh, header, look, [](std::uint64_t BvhFileParts::*) {}))
+  ZoneAppearance& appearance = bvh.appearance;
+  if (const char* cause = code_appearances(coder, mesh, header, appearance, [](std::uint64_t BvhFileParts::*) {}))
     return fault(cause, sizeof header);
   if (!coder.at_end()) return fault("its coded part is longer or shorter than what it says", bytes.size());
   if (atlas_words > 0) {
-    look.atlas_size = header.atlas_size;
-    look.texels_per_step = header.texels_per_step;
-    look.atlas.resize(atlas_words);
-    std::memcpy(look.atlas.data(), bytes.data() + bytes.size() - sizeof(std::uint32_t) * atlas_words,
+    appearance.atlas_size = header.atlas_size;
+    appearance.texels_per_step = header.texels_per_step;
+    appearance.atlas.resize(atlas_words);
+    std::memcpy(appearance.atlas.data(), bytes.data() + bytes.size() - sizeof(std::uint32_t) * atlas_words,
                 sizeof(std::uint32_t) * atlas_words);
   }
   return bvh;

@@ -2,13 +2,14 @@
 // `.zbvh`: the BVH of one node, built on its decoded Draco mesh, which of that mesh's triangles its leaves hold and how
 // they look; and the page that both make.
 //
-//   BvhFileHeader | range-coded: tree (tree_code.h), trims, materials or looks, light, normals (look_code.h)
+//   BvhFileHeader | range-coded: tree (tree_code.h), trims, materials or appearances, light, normals
+//   (appearance_code.h)
 //                 | u32 × atlas words
 //
-// Looks, light, normals and atlas are there only where the flags say so. Boxes are not in the file (leaf_boxes.h), nor
-// is what the index's record says: counts and depth. Decoded, a node's child_offset is the number of its first child
-// node, triangle_offset the position of the first triangle of its leaves and cluster_offset the number of their
-// cluster, each 0 where there is none.
+// Appearances, light, normals and atlas are there only where the flags say so. Boxes are not in the file
+// (leaf_boxes.h), nor is what the index's record says: counts and depth. Decoded, a node's child_offset is the number
+// of its first child node, triangle_offset the position of the first triangle of its leaves and cluster_offset the
+// number of their cluster, each 0 where there is none.
 //
 // Untrusted input. Thread-safe: plain values.
 #pragma once
@@ -29,19 +30,19 @@ namespace zc {
 struct BvhFileHeader {
   std::array<char, 4> magic = {'Z', 'B', 'V', '5'};
   std::uint32_t flags = 0;  // as in gpu::PageHeader
-  std::uint32_t look_count = 0;
+  std::uint32_t appearance_count = 0;
   std::uint32_t curved_count = 0;
   std::uint32_t atlas_size = 0;  // as in gpu::PageHeader; 0: none
   float texels_per_step = 0;
 };
 static_assert(sizeof(BvhFileHeader) == 24);
 
-inline constexpr std::uint32_t kZoneLooksMax = 65'536;
+inline constexpr std::uint32_t kZoneAppearancesMax = 65'536;
 
 // How a node's surface looks beyond one material a triangle. Every part may be empty.
 struct ZoneAppearance {
-  std::vector<gpu::Look> looks;
-  std::vector<std::uint16_t> look_of;         // per decoded triangle; the look's material is the triangle's
+  std::vector<gpu::Appearance> appearances;
+  std::vector<std::uint16_t> appearance_of;   // per decoded triangle; the appearance's material is the triangle's
   std::vector<gpu::TriangleLight> light;      // per decoded triangle
   std::vector<std::uint32_t> curved;          // decoded triangles, ascending
   std::vector<gpu::TriangleNormals> normals;  // of those
@@ -50,7 +51,7 @@ struct ZoneAppearance {
   std::vector<std::uint32_t> atlas;  // BC1 blocks of all levels
 
   [[nodiscard]] std::uint32_t page_flags() const {
-    return (looks.empty() ? 0 : gpu::kPageLooks) | (light.empty() ? 0 : gpu::kPageLight) |
+    return (appearances.empty() ? 0 : gpu::kPageAppearances) | (light.empty() ? 0 : gpu::kPageLight) |
            (curved.empty() ? 0 : gpu::kPageNormals);
   }
 };
@@ -80,8 +81,8 @@ struct ZoneMesh {
 // Bytes of a `.zbvh` by component; the coded ones to about a byte.
 struct BvhFileParts {
   std::uint64_t tree = 0;       // with the trims and the header
-  std::uint64_t materials = 0;  // where there are no looks
-  std::uint64_t looks = 0;
+  std::uint64_t materials = 0;  // where there are no appearances
+  std::uint64_t appearances = 0;
   std::uint64_t light = 0;
   std::uint64_t normals = 0;
   std::uint64_t texture = 0;

@@ -15,12 +15,12 @@ namespace {
 class PageAssembly {
  public:
   PageAssembly(const ZoneMesh& mesh, const BvhFile& bvh, const NodeRecord& node, const std::string& path)
-      : mesh_(mesh), bvh_(bvh), look_(bvh.appearance), node_(node), path_(path) {}
+      : mesh_(mesh), bvh_(bvh), appearance_(bvh.appearance), node_(node), path_(path) {}
 
   Result<std::vector<std::uint32_t>> run() {
     ZC_TRY(check_order());
     ZC_TRY(check_appearance());
-    flags_ = (bvh_.split ? gpu::kPageSplitTriangles : 0) | look_.page_flags();
+    flags_ = (bvh_.split ? gpu::kPageSplitTriangles : 0) | appearance_.page_flags();
     page_.reserve(node_.page_bytes / 4);
     page_.resize(gpu::kPageHeaderWords + bvh_.nodes.size() * gpu::kPageNodeWords);
     std::vector<std::uint32_t> cluster_at(bvh_.clusters.size());
@@ -42,18 +42,18 @@ class PageAssembly {
     header.palette_offset_words = words();
     header.palette_count = static_cast<std::uint32_t>(palette_.size());
     append_palette();
-    if (!look_.atlas.empty()) {
+    if (!appearance_.atlas.empty()) {
       header.atlas_offset_words = words();
-      header.atlas_size = look_.atlas_size;
-      header.texels_per_step = look_.texels_per_step;
-      page_.insert(page_.end(), look_.atlas.begin(), look_.atlas.end());
+      header.atlas_size = appearance_.atlas_size;
+      header.texels_per_step = appearance_.texels_per_step;
+      page_.insert(page_.end(), appearance_.atlas.begin(), appearance_.atlas.end());
     }
     align();
     header.total_words = words();
     std::memcpy(page_.data(), &header, sizeof header);
     for (std::size_t c = 0; c < cluster_at.size(); ++c)
       page_[cluster_at[c] + offsetof(gpu::ClusterHeader, palette_words) / 4] =
-          header.palette_offset_words + (has_looks() ? 2 * window[c] : window[c] / 2) - cluster_at[c];
+          header.palette_offset_words + (has_appearances() ? 2 * window[c] : window[c] / 2) - cluster_at[c];
     ZC_TRY(place_nodes(cluster_at));
     return std::move(page_);
   }
@@ -74,40 +74,44 @@ class PageAssembly {
       page_[at + i / 2] |= static_cast<std::uint32_t>(values[i]) << (16 * (i % 2));
   }
 
-  [[nodiscard]] bool has_looks() const { return !look_.looks.empty(); }
+  [[nodiscard]] bool has_appearances() const { return !appearance_.appearances.empty(); }
 
   // What a triangle's place in the palette stands for.
   [[nodiscard]] std::uint16_t palette_entry(std::uint32_t triangle) const {
-    return has_looks() ? look_.look_of[triangle] : mesh_.materials[triangle];
+    return has_appearances() ? appearance_.appearance_of[triangle] : mesh_.materials[triangle];
   }
 
   void append_palette() {
-    if (!has_looks()) return append_halves(palette_);
+    if (!has_appearances()) return append_halves(palette_);
     for (const std::uint16_t entry : palette_)
-      page_.insert(page_.end(), {look_.looks[entry].material, look_.looks[entry].place});
+      page_.insert(page_.end(), {appearance_.appearances[entry].material, appearance_.appearances[entry].place});
   }
 
   // Every part is there for all triangles or for none, and says of a triangle's material what the mesh says.
   Status check_appearance() const {
     const std::size_t triangles = mesh_.triangles.size();
-    if (look_.look_of.size() != (has_looks() ? triangles : 0)) return fault("not every triangle has a look");
-    for (std::size_t t = 0; t < look_.look_of.size(); ++t) {
-      if (look_.look_of[t] >= look_.looks.size()) return fault("a triangle's look is out of range");
-      if ((look_.looks[look_.look_of[t]].material & 0xFFFFU) != mesh_.materials[t])
+    if (appearance_.appearance_of.size() != (has_appearances() ? triangles : 0))
+      return fault("not every triangle has a look");
+    for (std::size_t t = 0; t < appearance_.appearance_of.size(); ++t) {
+      if (appearance_.appearance_of[t] >= appearance_.appearances.size())
+        return fault("a triangle's look is out of range");
+      if ((appearance_.appearances[appearance_.appearance_of[t]].material & 0xFFFFU) != mesh_.materials[t])
         return fault("a triangle's look has another material");
     }
-    if (!look_.light.empty() && look_.light.size() != triangles) return fault("not every triangle has light");
-    if (look_.normals.size() != look_.curved.size()) return fault("curved triangles and normals differ in number");
-    for (std::size_t i = 0; i < look_.curved.size(); ++i)
-      if (look_.curved[i] >= triangles || (i > 0 && look_.curved[i] <= look_.curved[i - 1]))
+    if (!appearance_.light.empty() && appearance_.light.size() != triangles)
+      return fault("not every triangle has light");
+    if (appearance_.normals.size() != appearance_.curved.size())
+      return fault("curved triangles and normals differ in number");
+    for (std::size_t i = 0; i < appearance_.curved.size(); ++i)
+      if (appearance_.curved[i] >= triangles || (i > 0 && appearance_.curved[i] <= appearance_.curved[i - 1]))
         return fault("the curved triangles are not in order");
     return {};
   }
 
   [[nodiscard]] gpu::TriangleNormals normals_of(std::uint32_t triangle) const {
-    const auto found = std::ranges::lower_bound(look_.curved, triangle);
-    if (found == look_.curved.end() || *found != triangle) return {};
-    return look_.normals[static_cast<std::size_t>(found - look_.curved.begin())];
+    const auto found = std::ranges::lower_bound(appearance_.curved, triangle);
+    if (found == appearance_.curved.end() || *found != triangle) return {};
+    return appearance_.normals[static_cast<std::size_t>(found - appearance_.curved.begin())];
   }
 
   // Every triangle has a place, and more than one only where the file says so.
@@ -185,17 +189,18 @@ class PageAssembly {
 
   // Light and normals of a cluster's triangles; returns its flags.
   std::uint32_t append_attributes(std::size_t first, std::size_t end) {
-    std::uint32_t flags = has_looks() ? gpu::kClusterLooks : 0;
+    std::uint32_t flags = has_appearances() ? gpu::kClusterAppearances : 0;
     const std::span<const std::uint32_t> triangles(bvh_.order.data() + first, end - first);
     const auto start = [&](std::uint32_t flag) {
       flags |= flag;
       if (page_.size() % 2 != 0) page_.push_back(0);
     };
-    if (!look_.light.empty()) {
+    if (!appearance_.light.empty()) {
       start(gpu::kClusterLight);
-      for (const std::uint32_t t : triangles) page_.insert(page_.end(), {look_.light[t].sky, look_.light[t].bounce});
+      for (const std::uint32_t t : triangles)
+        page_.insert(page_.end(), {appearance_.light[t].sky, appearance_.light[t].bounce});
     }
-    const auto is_curved = [&](std::uint32_t t) { return std::ranges::binary_search(look_.curved, t); };
+    const auto is_curved = [&](std::uint32_t t) { return std::ranges::binary_search(appearance_.curved, t); };
     if (std::ranges::any_of(triangles, is_curved)) {
       start(gpu::kClusterNormals);
       for (const std::uint32_t t : triangles) {
@@ -235,12 +240,12 @@ class PageAssembly {
 
   const ZoneMesh& mesh_;
   const BvhFile& bvh_;
-  const ZoneAppearance& look_;
+  const ZoneAppearance& appearance_;
   const NodeRecord& node_;
   const std::string& path_;
   std::uint32_t flags_ = 0;
   std::vector<std::uint32_t> page_;
-  std::vector<std::uint16_t> palette_;  // materials, or looks
+  std::vector<std::uint16_t> palette_;  // materials, or appearances
   ClusterPalette entries_;
   ClusterVertices vertices_;
   std::vector<std::uint16_t> flat_;
@@ -320,7 +325,7 @@ Result<std::vector<std::uint32_t>> assemble_page(const ZoneMesh& mesh, const Bvh
   if (node.page_bytes != 0 && node.page_bytes != 4 * page.size())
     return Error{ErrorCode::kFormat, "the page is not as large as the index says", path};
   ZC_TRY(verify_page(page, material_count, path));
-  const PageView::Parts expected = {node.look_bytes, node.light_bytes, node.normal_bytes, node.texture_bytes};
+  const PageView::Parts expected = {node.appearance_bytes, node.light_bytes, node.normal_bytes, node.texture_bytes};
   if (node.page_bytes != 0 && PageView(page).parts() != expected)
     return Error{ErrorCode::kFormat, "the page has other looks than the index says", path};
   if (bvh.split) ZC_TRY(check_split_boxes(page, bvh, mesh.triangles.size(), path));

@@ -45,9 +45,9 @@ class PageCheck {
 
   static constexpr std::uint32_t kClusterUnusedBits =
       ((1U << gpu::kClusterShiftBit) - 1) & ~((1U << (gpu::kClusterVertexBits + gpu::kClusterTriangleBits)) - 1) &
-      ~(gpu::kClusterLight | gpu::kClusterNormals | gpu::kClusterLooks);
+      ~(gpu::kClusterLight | gpu::kClusterNormals | gpu::kClusterAppearances);
 
-  [[nodiscard]] bool has_looks() const { return (header_.flags & gpu::kPageLooks) != 0; }
+  [[nodiscard]] bool has_appearances() const { return (header_.flags & gpu::kPageAppearances) != 0; }
 
   [[nodiscard]] Error fault(const char* cause, std::size_t word) const {
     return {ErrorCode::kFormat, std::string("page: ") + cause + " (word " + std::to_string(word) + ")", path_};
@@ -69,11 +69,11 @@ class PageCheck {
       if (page_[word] != 0) return fault("a reserved word is not zero", word);
     clusters_word_ = PageView::node_word(h.node_count);
     const std::uint64_t palette_words =
-        has_looks() ? 2 * std::uint64_t{h.palette_count} : (std::uint64_t{h.palette_count} + 1) / 2;
+        has_appearances() ? 2 * std::uint64_t{h.palette_count} : (std::uint64_t{h.palette_count} + 1) / 2;
     std::uint64_t end = h.palette_offset_words + palette_words;
     if (h.atlas_offset_words != 0) {
       const AtlasShape atlas = AtlasShape::unpack(h.atlas_size);
-      if (!has_looks() || h.atlas_offset_words != end || !atlas.valid() || !std::isfinite(h.texels_per_step))
+      if (!has_appearances() || h.atlas_offset_words != end || !atlas.valid() || !std::isfinite(h.texels_per_step))
         return fault("the atlas is not where it belongs", gpu::kPageAtlasWord);
       end += atlas.words();
     } else if (h.atlas_size != 0 || page_[gpu::kPageAtlasWord + 2] != 0) {
@@ -102,7 +102,8 @@ class PageCheck {
       const std::uint64_t vertices = cluster_vertices(cluster);
       const std::uint32_t flags = cluster.counts & (gpu::kClusterLight | gpu::kClusterNormals);
       const std::uint64_t words = cluster_parts(vertices, triangles, flags).words;
-      if ((cluster.counts & kClusterUnusedBits) != 0 || ((cluster.counts & gpu::kClusterLooks) != 0) != has_looks() ||
+      if ((cluster.counts & kClusterUnusedBits) != 0 ||
+          ((cluster.counts & gpu::kClusterAppearances) != 0) != has_appearances() ||
           ((flags & gpu::kClusterLight) != 0) != ((header_.flags & gpu::kPageLight) != 0) ||
           ((flags & gpu::kClusterNormals) != 0 && (header_.flags & gpu::kPageNormals) == 0))
         return fault("a cluster's flags are wrong", at + 3);
@@ -115,10 +116,10 @@ class PageCheck {
         return fault("a cluster does not know its place", at + 5);
       const std::uint64_t palette = at + cluster.palette_words;
       if (palette < header_.palette_offset_words) return fault("palette out of range", at + 7);
-      if (has_looks() && (palette - header_.palette_offset_words) % 2 != 0)
+      if (has_appearances() && (palette - header_.palette_offset_words) % 2 != 0)
         return fault("palette out of place", at + 7);
-      const std::uint64_t first =
-          has_looks() ? (palette - header_.palette_offset_words) / 2 : 2 * (palette - header_.palette_offset_words);
+      const std::uint64_t first = has_appearances() ? (palette - header_.palette_offset_words) / 2
+                                                    : 2 * (palette - header_.palette_offset_words);
       for (std::uint64_t t = 0; t < triangles; ++t) {
         const std::size_t word = at + gpu::kClusterHeaderWords + t;
         const std::uint32_t packed = page_[word];
@@ -137,13 +138,14 @@ class PageCheck {
 
   Status check_palette() const {
     for (std::uint32_t i = 0; i < header_.palette_count; ++i) {
-      const std::size_t word = header_.palette_offset_words + (has_looks() ? 2 * i : i / 2);
-      const std::uint32_t material = has_looks() ? page_[word] & 0xFFFFU : page_[word] >> (16 * (i % 2)) & 0xFFFFU;
+      const std::size_t word = header_.palette_offset_words + (has_appearances() ? 2 * i : i / 2);
+      const std::uint32_t material =
+          has_appearances() ? page_[word] & 0xFFFFU : page_[word] >> (16 * (i % 2)) & 0xFFFFU;
       if (material >= material_count_) return fault("material out of range", word);
-      if (!has_looks()) continue;
+      if (!has_appearances()) continue;
       const std::uint32_t kind = page_[word] >> 16 & 3U;
-      if (kind > gpu::kLookTextured || page_[word] >> 31 != 0) return fault("a look of unknown kind", word);
-      if (kind == gpu::kLookTextured && (header_.atlas_offset_words == 0 || (page_[word] >> 18 & 3U) > 2))
+      if (kind > gpu::kAppearanceTextured || page_[word] >> 31 != 0) return fault("a look of unknown kind", word);
+      if (kind == gpu::kAppearanceTextured && (header_.atlas_offset_words == 0 || (page_[word] >> 18 & 3U) > 2))
         return fault("a look without its atlas", word);
     }
     return {};

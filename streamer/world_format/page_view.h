@@ -79,7 +79,7 @@ class PageView {
   struct Triangle {
     std::array<Point, 3> corners;
     std::uint16_t material;
-    gpu::Look look;  // plain where the page has no looks
+    gpu::Appearance appearance;  // plain where the page has no appearances
   };
 
   explicit PageView(std::span<const std::uint32_t> page)
@@ -103,7 +103,7 @@ class PageView {
 
   // What a page holds only where the zone needs it.
   struct Parts {
-    std::uint32_t look_bytes = 0;
+    std::uint32_t appearance_bytes = 0;
     std::uint32_t light_bytes = 0;
     std::uint32_t normal_bytes = 0;
     std::uint32_t texture_bytes = 0;
@@ -111,7 +111,8 @@ class PageView {
   };
   [[nodiscard]] Parts parts() const {
     Parts parts;
-    if ((header_.flags & gpu::kPageLooks) != 0) parts.look_bytes = sizeof(gpu::Look) * header_.palette_count;
+    if ((header_.flags & gpu::kPageAppearances) != 0)
+      parts.appearance_bytes = sizeof(gpu::Appearance) * header_.palette_count;
     if (header_.atlas_offset_words != 0) parts.texture_bytes = 4 * AtlasShape::unpack(header_.atlas_size).words();
     for (std::uint32_t c = 0; c < header_.cluster_count; ++c) {
       const auto cluster = page_record<gpu::ClusterHeader>(page_, entry(c).offset_words);
@@ -144,12 +145,12 @@ class PageView {
       }
     }
     const std::size_t palette = at + cluster.palette_words;
-    if ((header_.flags & gpu::kPageLooks) != 0) {
-      out.look = page_record<gpu::Look>(page_, palette + 2 * std::size_t{word >> 24});
-      out.material = static_cast<std::uint16_t>(out.look.material);
+    if ((header_.flags & gpu::kPageAppearances) != 0) {
+      out.appearance = page_record<gpu::Appearance>(page_, palette + 2 * std::size_t{word >> 24});
+      out.material = static_cast<std::uint16_t>(out.appearance.material);
     } else {
       out.material = static_cast<std::uint16_t>(half_word(palette, word >> 24));
-      out.look.material = out.material;
+      out.appearance.material = out.material;
     }
     return out;
   }

@@ -26,9 +26,9 @@ constexpr std::uint64_t kReferencesMost = 2;  // spatial splits at most double a
 // Three vertices, two words of palette, a cluster's header and entry with their padding.
 constexpr std::uint64_t kWordsPerReferenceMost = 5 + 2 + gpu::kClusterHeaderWords + gpu::kClusterEntryWords + 6;
 constexpr std::uint64_t kTextureBytesMost = (2ULL << (2 * gpu::kAtlasMaxLog2)) / 3;  // BC1 with all its levels
-constexpr std::uint64_t kLookFileBytesMost = sizeof(gpu::Look) * std::uint64_t{kZoneLooksMax};
-// Which look, light, normals and whose they are.
-constexpr std::uint64_t kLookFileBytesPerTriangle =
+constexpr std::uint64_t kAppearanceFileBytesMost = sizeof(gpu::Appearance) * std::uint64_t{kZoneAppearancesMax};
+// Which appearance, light, normals and whose they are.
+constexpr std::uint64_t kAppearanceFileBytesPerTriangle =
     4 + sizeof(gpu::TriangleLight) + sizeof(gpu::TriangleNormals) + sizeof(std::uint32_t);
 constexpr std::uint64_t kMaxFileBytes = 0xFFFFFFFFULL;  // a GLB's own length field has 32 bits
 
@@ -79,13 +79,14 @@ const char* counts_fault(const NodeRecord& node) {
     return "reference count out of range";
   if (node.bvh_node_count == 0 || node.bvh_node_count > node.reference_count) return "BVH node count out of range";
   if (node.bvh_depth == 0 || node.bvh_depth > gpu::kPageMaxDepth) return "BVH depth out of range";
-  const std::uint64_t looks =
-      std::uint64_t{node.look_bytes} + node.light_bytes + node.normal_bytes + node.texture_bytes;
+  const std::uint64_t appearances =
+      std::uint64_t{node.appearance_bytes} + node.light_bytes + node.normal_bytes + node.texture_bytes;
   // A tree that is coded so badly that it takes more would be no use to anybody.
   const std::uint64_t bvh_least = sizeof(BvhFileHeader) + std::uint64_t{node.texture_bytes};
-  const std::uint64_t bvh_most = bvh_least + std::uint64_t{sizeof(gpu::PageNode)} * node.bvh_node_count +
-                                 2 * sizeof(std::uint32_t) * std::uint64_t{node.reference_count} +
-                                 (looks > 0 ? kLookFileBytesMost + kLookFileBytesPerTriangle * node.triangle_count : 0);
+  const std::uint64_t bvh_most =
+      bvh_least + std::uint64_t{sizeof(gpu::PageNode)} * node.bvh_node_count +
+      2 * sizeof(std::uint32_t) * std::uint64_t{node.reference_count} +
+      (appearances > 0 ? kAppearanceFileBytesMost + kAppearanceFileBytesPerTriangle * node.triangle_count : 0);
   if (node.bvh_bytes < bvh_least || node.bvh_bytes > bvh_most || node.texture_bytes > kTextureBytesMost)
     return "BVH file size does not follow from its counts";
   // What a page holds beside nodes and triangles depends on how the clusters share vertices; assembling it tells.
@@ -93,7 +94,7 @@ const char* counts_fault(const NodeRecord& node) {
                                     std::uint64_t{gpu::kPageNodeWords} * node.bvh_node_count +
                                     gpu::kClusterHeaderWords + gpu::kClusterEntryWords + node.reference_count;
   if (node.page_bytes % (4 * gpu::kPageAlignWords) != 0 || node.page_bytes < 4 * words_least ||
-      node.page_bytes > 4 * (words_least + kWordsPerReferenceMost * node.reference_count) + looks)
+      node.page_bytes > 4 * (words_least + kWordsPerReferenceMost * node.reference_count) + appearances)
     return "page size does not follow from its counts";
   if (node.glb_bytes < 20 || node.glb_bytes > kMaxFileBytes) return "GLB size out of range";
   return nullptr;

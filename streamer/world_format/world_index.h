@@ -75,11 +75,12 @@ struct NodeRecord {
   std::uint32_t scratch_bytes = 0;  // upper bound of memory while decoding, without the page and the compressed bytes
   std::uint32_t primitive_count = 0;
   // How far off the wrong colour a point can be: the largest distance, over samples where node and source look
-  // different, to where the look is right. At least as fine as the geometry's error when windows vanish in a flat wall.
+  // different, to where the appearance is right. At least as fine as the geometry's error when windows vanish in a flat
+  // wall.
   float appearance_error_m = 0;
   std::uint32_t reference_count = 0;  // triangles in leaves: at least triangle_count, more with spatial splits
-  // Of page_bytes, what is there for the looks only where the zone needs it.
-  std::uint32_t look_bytes = 0;  // charts: what stands for texture coordinates
+  // Of page_bytes, what is there for the appearances only where the zone needs it.
+  std::uint32_t appearance_bytes = 0;  // charts: what stands for texture coordinates
   std::uint32_t light_bytes = 0;
   std::uint32_t normal_bytes = 0;
   std::uint32_t texture_bytes = 0;

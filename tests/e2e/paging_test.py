@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Paging along paths: several cameras, teleports, the trace, the ledger against the process."""
+"""Paging along paths: several cameras, camera_cuts, the trace, the ledger against the process."""
 
 import json
 import re
@@ -82,12 +82,12 @@ class Paging(support.Case):
         slow = ("--source-latency", "50ms", "--source-bandwidth", "1MB/s", "--no-render", "--cap", "16MiB", "--tolerance",
                 "0.05", "--path", path)
         known = self.replay("jumps", *slow)
-        self.assertEqual(known["teleports"]["count"], 3)
+        self.assertEqual(known["camera_cuts"]["count"], 3)
         live = self.replay("live", *slow, "--prediction", "velocity")
-        self.assertEqual(live["teleports"]["count"], 3)
-        self.assertEqual(live["teleports"]["unfinished"], 0)
+        self.assertEqual(live["camera_cuts"]["count"], 3)
+        self.assertEqual(live["camera_cuts"]["unfinished"], 0)
         # Whoever knows the path has loaded what a live camera comes upon.
-        self.assertLess(known["teleports"]["to_target_ms"]["max"], live["teleports"]["to_target_ms"]["max"])
+        self.assertLess(known["camera_cuts"]["to_target_ms"]["max"], live["camera_cuts"]["to_target_ms"]["max"])
         self.assertGreater(known["wanted_level_fraction"], live["wanted_level_fraction"])
         self.assertGreater(known["prefetch"]["used_bytes"], 0)
 

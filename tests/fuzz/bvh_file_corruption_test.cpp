@@ -102,13 +102,13 @@ class Bytes {
             bvh.appearance.light[below(bvh.appearance.light.size())].bounce ^= 1U << below(32);
           break;
         case 5:
-          if (!bvh.appearance.looks.empty())
-            bvh.appearance.looks[below(bvh.appearance.looks.size())].material ^= 1U << below(31);
+          if (!bvh.appearance.appearances.empty())
+            bvh.appearance.appearances[below(bvh.appearance.appearances.size())].material ^= 1U << below(31);
           break;
         case 6:
-          if (!bvh.appearance.look_of.empty())
-            bvh.appearance.look_of[below(bvh.appearance.look_of.size())] =
-                static_cast<std::uint16_t>(below(bvh.appearance.looks.size()));
+          if (!bvh.appearance.appearance_of.empty())
+            bvh.appearance.appearance_of[below(bvh.appearance.appearance_of.size())] =
+                static_cast<std::uint16_t>(below(bvh.appearance.appearances.size()));
           break;
       }
     }
@@ -147,26 +147,26 @@ void dress(test::BakedZone& zone, std::vector<std::uint32_t>& page, std::uint32_
   ZoneMesh mesh = zone.mesh;
   Result<BvhFile> bvh = decode_bvh_file(zone.bvh_file, mesh, zone.record, "b");
   ASSERT_TRUE(bvh.ok()) << bvh.error().describe();
-  ZoneAppearance& look = bvh->appearance;
+  ZoneAppearance& appearance = bvh->appearance;
   for (std::uint32_t m = 0; m < material_count; ++m) {
-    look.looks.push_back({m | gpu::kLookTextured << 16U | 2U << 18U | 1U << 20U, 0xFFFD0004U + m});
-    look.looks.push_back({m | gpu::kLookColor << 16U, 0x00804020U + m});
+    appearance.appearances.push_back({m | gpu::kAppearanceTextured << 16U | 2U << 18U | 1U << 20U, 0xFFFD0004U + m});
+    appearance.appearances.push_back({m | gpu::kAppearanceColor << 16U, 0x00804020U + m});
   }
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    look.look_of.push_back(static_cast<std::uint16_t>(2 * mesh.materials[t] + (t / 5 % 3 == 0 ? 0 : 1)));
+    appearance.appearance_of.push_back(static_cast<std::uint16_t>(2 * mesh.materials[t] + (t / 5 % 3 == 0 ? 0 : 1)));
     if (t % 7 > 3) continue;
-    look.curved.push_back(t);
-    look.normals.push_back({t * 2654435761U & 0x3FFFFFFFU, t * 40503U & 0x3FFFFFFFU});
+    appearance.curved.push_back(t);
+    appearance.normals.push_back({t * 2654435761U & 0x3FFFFFFFU, t * 40503U & 0x3FFFFFFFU});
   }
-  look.atlas_size = AtlasShape{3, 2, 1}.pack();
-  look.texels_per_step = 0.0625F;
-  look.atlas = {0x07E0F800U, 0x1B1B1B1BU, 0xFFFF0000U, 0xE4E4E4E4U};
+  appearance.atlas_size = AtlasShape{3, 2, 1}.pack();
+  appearance.texels_per_step = 0.0625F;
+  appearance.atlas = {0x07E0F800U, 0x1B1B1B1BU, 0xFFFF0000U, 0xE4E4E4E4U};
   zone.record.page_bytes = 0;
   Result<std::vector<std::uint32_t>> dressed = assemble_page(mesh, *bvh, zone.record, material_count, "b");
   ASSERT_TRUE(dressed.ok()) << dressed.error().describe();
   const PageView::Parts parts = PageView(*dressed).parts();
   zone.record.page_bytes = static_cast<std::uint32_t>(4 * dressed->size());
-  zone.record.look_bytes = parts.look_bytes;
+  zone.record.appearance_bytes = parts.appearance_bytes;
   zone.record.light_bytes = parts.light_bytes;
   zone.record.normal_bytes = parts.normal_bytes;
   zone.record.texture_bytes = parts.texture_bytes;

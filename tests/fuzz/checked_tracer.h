@@ -22,7 +22,7 @@ struct TraceSums {
   std::uint64_t rays = 0;
   std::uint64_t hits = 0;
   std::uint64_t lost = 0;            // gave up: kHitLost
-  std::uint64_t alone = 0;           // rays that packets gave back
+  std::uint64_t alone = 0;           // rays that packets left to fallback rays
   std::uint64_t out_of_page = 0;     // accesses outside the pages and the top level
   std::uint64_t unknown_places = 0;  // hits on a page or a triangle that is not there
 };
@@ -89,7 +89,7 @@ class CheckedTracer {
     const gpu::Counters counters = renderers_[kernel]->counters();
     TraceSums sums;
     sums.rays = rays.size();
-    sums.alone = counters.retry_count;
+    sums.alone = counters.fallback_count;
     sums.out_of_page = counters.out_of_page;
     for (const TracedHit& hit : hits) {
       if (hit.page_word == gpu::kHitNone) continue;
@@ -99,7 +99,7 @@ class CheckedTracer {
     return sums;
   }
 
-  // All passes of a frame: the page is drawn, lit, mirrored in the other one and shaded.
+  // All passes of a frame: the page is drawn, lit, mirrored in the other one and shading_normal.
   Result<TraceSums> render(std::size_t kernel, const RenderCamera& camera) {
     std::vector<ZoneDraw> draws;
     for (std::uint32_t slot = 0; slot < pages_.size(); ++slot)
@@ -109,7 +109,7 @@ class CheckedTracer {
     sums.rays = frame.counters.ray_count;
     sums.hits = frame.counters.rays_proxy + frame.counters.rays_proxy_coarse;
     sums.lost = frame.counters.rays_lost;
-    sums.alone = frame.counters.retry_count;
+    sums.alone = frame.counters.fallback_count;
     sums.out_of_page = frame.counters.out_of_page;
     return sums;
   }

@@ -101,10 +101,11 @@ class PageAudit {
       read_triangle(cluster, triangle);
       const std::uint32_t place = read(triangle, "triangle") >> 24;
       const std::uint32_t palette = cluster + read(cluster + 7, "cluster");
-      const bool looks = (read(base_ + 1, "header") & gpu::kPageLooks) != 0;
-      const std::uint32_t material = looks ? read(palette + 2 * place, "palette") & 0xFFFFU
-                                           : read(palette + (place >> 1), "palette") >> (16 * (place & 1U)) & 0xFFFFU;
-      if (looks) read(palette + 2 * place + 1, "palette");
+      const bool appearances = (read(base_ + 1, "header") & gpu::kPageAppearances) != 0;
+      const std::uint32_t material = appearances
+                                         ? read(palette + 2 * place, "palette") & 0xFFFFU
+                                         : read(palette + (place >> 1), "palette") >> (16 * (place & 1U)) & 0xFFFFU;
+      if (appearances) read(palette + 2 * place + 1, "palette");
       if (material >= material_count_) fault_ = "a material that is not there";
     }
   }

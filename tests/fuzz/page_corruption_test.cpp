@@ -107,14 +107,14 @@ struct View {
 };
 
 View make_view(const std::vector<std::uint32_t>& page, double step_m, std::uint64_t seed) {
-  const PageView look(page);
+  const PageView appearance(page);
   std::array<double, 3> low, high;
   low.fill(INFINITY);
   high.fill(-INFINITY);
   std::vector<std::array<double, 3>> middles;
-  for (std::uint32_t t = 0; t < look.header().triangle_count; ++t) {
+  for (std::uint32_t t = 0; t < appearance.header().triangle_count; ++t) {
     middles.push_back({});
-    for (const auto& corner : look.triangle(t).corners) {
+    for (const auto& corner : appearance.triangle(t).corners) {
       for (std::size_t a = 0; a < 3; ++a) {
         low[a] = std::min<double>(low[a], corner[a]);
         high[a] = std::max<double>(high[a], corner[a]);
@@ -149,7 +149,7 @@ View make_view(const std::vector<std::uint32_t>& page, double step_m, std::uint6
     gpu::RayTask ray{};
     ray.origin_x = from.x + shift.x, ray.origin_y = from.y + shift.y, ray.origin_z = from.z + shift.z;
     ray.dir_x = d.x, ray.dir_y = d.y, ray.dir_z = d.z;
-    ray.leaves = gpu::kNoSurface;
+    ray.origin_normal = gpu::kNoSurface;
     view.rays.push_back(ray);
   }
   view.camera.eye = half * glm::vec3(-0.9F, -0.9F, 1.5F);

@@ -69,16 +69,16 @@ BvhFile make_bvh() {
   bvh.nodes = {root, below};
 
   // The ground from the atlas, seen from above, and the middle triangle in its own colour, with curved corners.
-  ZoneAppearance& look = bvh.appearance;
-  look.looks = {{0U | gpu::kLookTextured << 16U | 2U << 18U | 1U << 20U, 0xFFFD0004U},
-                {1U | gpu::kLookColor << 16U, 0x00804020U}};
-  look.look_of = {0, 1, 0};
-  look.light = {{0x40FF8000U, 0x12345678U}, {0x00FFFFFFU, 0}, {0x00808080U, 0x00ABCDEFU}};
-  look.curved = {1};
-  look.normals = {{0x1FF7FDFFU, 0x3FEFF9FEU}};
-  look.atlas_size = AtlasShape{3, 2, 1}.pack();
-  look.texels_per_step = 0.0625F;
-  look.atlas = {0x07E0F800U, 0x1B1B1B1BU, 0xFFFF0000U, 0xE4E4E4E4U};
+  ZoneAppearance& appearance = bvh.appearance;
+  appearance.appearances = {{0U | gpu::kAppearanceTextured << 16U | 2U << 18U | 1U << 20U, 0xFFFD0004U},
+                            {1U | gpu::kAppearanceColor << 16U, 0x00804020U}};
+  appearance.appearance_of = {0, 1, 0};
+  appearance.light = {{0x40FF8000U, 0x12345678U}, {0x00FFFFFFU, 0}, {0x00808080U, 0x00ABCDEFU}};
+  appearance.curved = {1};
+  appearance.normals = {{0x1FF7FDFFU, 0x3FEFF9FEU}};
+  appearance.atlas_size = AtlasShape{3, 2, 1}.pack();
+  appearance.texels_per_step = 0.0625F;
+  appearance.atlas = {0x07E0F800U, 0x1B1B1B1BU, 0xFFFF0000U, 0xE4E4E4E4U};
   return bvh;
 }
 
@@ -97,7 +97,7 @@ NodeRecord make_node() {
   node.page_bytes = 4 * (16 + 2 * 20 + (16 + 4) + (8 + 1 + 5 + 2 + 2 + 2) + 4 + 4 + 4);
   node.scratch_bytes = 123456;
   node.primitive_count = 2;
-  node.look_bytes = 2 * 8;
+  node.appearance_bytes = 2 * 8;
   node.light_bytes = 3 * 8;
   node.normal_bytes = 8;
   node.texture_bytes = 16;
@@ -177,8 +177,10 @@ TEST(Golden, BvhFileVersion5) {
   ASSERT_EQ(bvh->nodes.size(), expected.nodes.size());
   EXPECT_EQ(bvh->clusters, expected.clusters);
   EXPECT_EQ(mesh.materials, make_mesh().materials);
-  EXPECT_EQ(bvh->appearance.look_of, expected.appearance.look_of);
-  EXPECT_EQ(std::memcmp(bvh->appearance.looks.data(), expected.appearance.looks.data(), 2 * sizeof(gpu::Look)), 0);
+  EXPECT_EQ(bvh->appearance.appearance_of, expected.appearance.appearance_of);
+  EXPECT_EQ(std::memcmp(bvh->appearance.appearances.data(), expected.appearance.appearances.data(),
+                        2 * sizeof(gpu::Appearance)),
+            0);
   EXPECT_EQ(std::memcmp(bvh->appearance.light.data(), expected.appearance.light.data(), 3 * sizeof(gpu::TriangleLight)),
             0);
   EXPECT_EQ(bvh->appearance.curved, expected.appearance.curved);
@@ -210,8 +212,8 @@ TEST(Golden, PageVersion3) {
   EXPECT_EQ(last.corners[1], (PageView::Point{65535, 40000, 300}));
   EXPECT_EQ(last.corners[2], (PageView::Point{60000, 65535, 65535}));
   EXPECT_EQ(last.material, 1U);
-  EXPECT_EQ(last.look.place, 0x00804020U);
-  EXPECT_EQ(view.triangle(0).look.material, 0U | gpu::kLookTextured << 16U | 2U << 18U | 1U << 20U);
+  EXPECT_EQ(last.appearance.place, 0x00804020U);
+  EXPECT_EQ(view.triangle(0).appearance.material, 0U | gpu::kAppearanceTextured << 16U | 2U << 18U | 1U << 20U);
   EXPECT_EQ(view.triangle(1).material, 0U);
 }
 

@@ -100,7 +100,7 @@ std::vector<gpu::RayTask> make_rays(const glm::dvec3& half) {
     gpu::RayTask& ray = rays[i];
     ray.origin_x = o.x, ray.origin_y = o.y, ray.origin_z = o.z;
     ray.dir_x = d.x, ray.dir_y = d.y, ray.dir_z = d.z;
-    ray.leaves = gpu::kNoSurface;
+    ray.origin_normal = gpu::kNoSurface;
   }
   return rays;
 }

@@ -217,16 +217,16 @@ class GltfImport {
     for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
       const std::string where = "mesh " + std::to_string(mesh_index) + " primitive " + std::to_string(i);
       Part part;
-      ZC_ASSIGN(const Look look, look_of(mesh.primitives[i].material, where));
-      ZC_ASSIGN(part.geometry, read_primitive(file_, mesh.primitives[i], look.texcoord, where));
+      ZC_ASSIGN(const Appearance appearance, appearance_of(mesh.primitives[i].material, where));
+      ZC_ASSIGN(part.geometry, read_primitive(file_, mesh.primitives[i], appearance.texcoord, where));
       if (part.geometry.loose_corners > 0)
         builder_.note("corners behind the last whole triangle of a list, left out", part.geometry.loose_corners);
       if (part.geometry.triangles.empty()) {
         builder_.note("glTF primitives without triangles (points, lines), left out");
         continue;
       }
-      part.materials = materials_of(part.geometry, look.material);
-      for (glm::vec2& uv : part.geometry.texcoords) uv = look.uv_transform * glm::vec3(uv, 1);
+      part.materials = materials_of(part.geometry, appearance.material);
+      for (glm::vec2& uv : part.geometry.texcoords) uv = appearance.uv_transform * glm::vec3(uv, 1);
       parts.push_back(std::move(part));
     }
     meshes_[mesh_index] = std::move(parts);
@@ -257,16 +257,16 @@ class GltfImport {
     return materials;
   }
 
-  struct Look {
+  struct Appearance {
     Material material;
     int texcoord = -1;  // which of the primitive's sets; negative: none is needed
     glm::mat3x2 uv_transform{1, 0, 0, 1, 0, 0};
   };
 
-  Result<Look> look_of(int index, const std::string& where) {
-    Look look;
-    look.material.name = "default";
-    if (index < 0) return look;
+  Result<Appearance> appearance_of(int index, const std::string& where) {
+    Appearance appearance;
+    appearance.material.name = "default";
+    if (index < 0) return appearance;
     if (static_cast<std::size_t>(index) >= file_.model.materials.size())
       return file_.error(where + " names material " + std::to_string(index) + ", which does not exist");
     const tinygltf::Material& source = file_.model.materials[static_cast<std::size_t>(index)];
@@ -277,8 +277,8 @@ class GltfImport {
       is_clamped |= within != value;
       return static_cast<float>(within);
     };
-    Material& result = look.material;
-    result.name = source.name.empty() ? "unnamed" : source.name;  // equal looks of many files are one material
+    Material& result = appearance.material;
+    result.name = source.name.empty() ? "unnamed" : source.name;  // equal appearances of many files are one material
     result.base_color = glm::vec3(1);
     for (std::size_t c = 0; c < 3 && c < pbr.baseColorFactor.size(); ++c)
       result.base_color[static_cast<int>(c)] = unit(pbr.baseColorFactor[c]);
@@ -286,7 +286,7 @@ class GltfImport {
     result.metallic = unit(pbr.metallicFactor);
     if (is_clamped) builder_.note("glTF materials with factors that are not within 0 and 1, clamped");
     const auto image = pbr.baseColorTexture.index >= 0 ? load_image(pbr.baseColorTexture.index) : std::nullopt;
-    if (!image) return look;
+    if (!image) return appearance;
     result.texture = SurfaceTexture{.image = image->index, .factor = result.base_color};
     result.base_color *= image->mean;
     const int sampler = file_.model.textures[static_cast<std::size_t>(pbr.baseColorTexture.index)].sampler;
@@ -294,9 +294,9 @@ class GltfImport {
       result.texture->wrap_u = wrap_of(file_.model.samplers[static_cast<std::size_t>(sampler)].wrapS);
       result.texture->wrap_v = wrap_of(file_.model.samplers[static_cast<std::size_t>(sampler)].wrapT);
     }
-    look.texcoord = pbr.baseColorTexture.texCoord;
-    read_texture_transform(pbr.baseColorTexture.extensions, look);
-    return look;
+    appearance.texcoord = pbr.baseColorTexture.texCoord;
+    read_texture_transform(pbr.baseColorTexture.extensions, appearance);
+    return appearance;
   }
 
   static TextureWrap wrap_of(int mode) {
@@ -305,7 +305,7 @@ class GltfImport {
   }
 
   // KHR_texture_transform: scaled, then turned, then moved.
-  static void read_texture_transform(const tinygltf::ExtensionMap& extensions, Look& look) {
+  static void read_texture_transform(const tinygltf::ExtensionMap& extensions, Appearance& appearance) {
     const auto found = extensions.find("KHR_texture_transform");
     if (found == extensions.end() || !found->second.IsObject()) return;
     const tinygltf::Value& transform = found->second;
@@ -321,8 +321,8 @@ class GltfImport {
     const auto angle = rotation.IsNumber() ? static_cast<float>(rotation.GetNumberAsDouble()) : 0.0F;
     const float c = std::cos(angle);
     const float s = std::sin(angle);
-    look.uv_transform = {scale.x * c, -scale.x * s, scale.y * s, scale.y * c, offset.x, offset.y};
-    if (const tinygltf::Value& set = transform.Get("texCoord"); set.IsInt()) look.texcoord = set.GetNumberAsInt();
+    appearance.uv_transform = {scale.x * c, -scale.x * s, scale.y * s, scale.y * c, offset.x, offset.y};
+    if (const tinygltf::Value& set = transform.Get("texCoord"); set.IsInt()) appearance.texcoord = set.GetNumberAsInt();
   }
 
   std::optional<LoadedImage> load_image(int texture) {

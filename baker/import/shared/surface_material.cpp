@@ -10,7 +10,7 @@
 namespace zc {
 namespace {
 
-struct Look {
+struct Appearance {
   const char* name;
   glm::vec3 color;
   float roughness;
@@ -18,9 +18,9 @@ struct Look {
 
 constexpr float kGlassTint = 0.3F;
 
-const Look& look_of(Surface surface) {
+const Appearance& appearance_of(Surface surface) {
   // In the order of the enumeration.
-  static const std::array<Look, 22> looks = {{
+  static const std::array<Appearance, 22> appearances = {{
       {"WallSurface", {0.55F, 0.51F, 0.45F}, 0.85F},
       {"RoofSurface", {0.28F, 0.12F, 0.08F}, 0.75F},
       {"GroundSurface", {0.20F, 0.19F, 0.18F}, 0.95F},
@@ -44,7 +44,7 @@ const Look& look_of(Surface surface) {
       {"CityFurniture", {0.18F, 0.19F, 0.20F}, 0.40F},
       {"GenericCityObject", {0.40F, 0.39F, 0.37F}, 0.80F},
   }};
-  return looks[static_cast<std::size_t>(surface)];
+  return appearances[static_cast<std::size_t>(surface)];
 }
 
 // Plaster, brick and stone as central European towns have them.
@@ -180,20 +180,20 @@ ObjectKind kind_of_city_object(std::string_view object_type) {
 Material surface_material(Surface surface, std::string_view object_type, std::string_view palette_key,
                           const Paint& paint) {
   const bool glass = surface == Surface::kWindow || (paint.transparent && can_be_glass(surface));
-  const Look& look = look_of(glass ? Surface::kWindow : surface);
-  Material material{.name = look.name, .base_color = look.color, .roughness = look.roughness};
+  const Appearance& appearance = appearance_of(glass ? Surface::kWindow : surface);
+  Material material{.name = appearance.name, .base_color = appearance.color, .roughness = appearance.roughness};
   if (paint.color) {
     material.name.append(" ").append(paint.name);
     // Glass stays dark and smooth: an image only tints it, a plain material colour tints what is see-through.
     if (glass && !paint.texture) {
-      material.name = look.name;
+      material.name = appearance.name;
       return material;
     }
-    material.base_color = glass ? glm::mix(look.color, *paint.color, kGlassTint) : *paint.color;
+    material.base_color = glass ? glm::mix(appearance.color, *paint.color, kGlassTint) : *paint.color;
     material.texture = paint.texture;
     if (glass) {
       material.texture->factor = glm::vec3(kGlassTint);
-      material.texture->offset = look.color * (1 - kGlassTint);
+      material.texture->offset = appearance.color * (1 - kGlassTint);
     }
     return material;
   }

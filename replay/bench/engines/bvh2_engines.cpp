@@ -6,7 +6,7 @@
 #include "replay/bench/engines/gpu_engine.h"
 #include "replay/bench/engines/sah_tree.h"
 #include "replay/bench/engines/stopwatch.h"
-#include "runtime/device/shader_code.h"
+#include "spirv/shader_code.h"
 
 namespace zc::bench {
 namespace {
@@ -79,7 +79,7 @@ class ThesisEngine final : public GpuEngine {
     std::vector<Buffer> buffers;
     ZC_TRY(upload(device(), layout, buffers));
     KernelOptions options;
-    options.spirv = shader::bench_trace_thesis();
+    options.spirv = shader::trace_thesis();
     return set_kernel(std::move(options), std::move(buffers));
   }
 };
@@ -108,7 +108,7 @@ class Bvh2Engine final : public GpuEngine {
     std::vector<Buffer> buffers;
     ZC_TRY(upload(device(), layout, buffers));
     KernelOptions options;
-    options.spirv = shader::bench_trace_bvh2();
+    options.spirv = shader::trace_bvh2();
     options.constants = {std::max(1U, tree.depth)};
     return set_kernel(std::move(options), std::move(buffers));
   }

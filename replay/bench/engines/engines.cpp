@@ -19,7 +19,8 @@ std::string_view missing_ray_query(const EngineContext& context) {
 template <TraceVariant kVariant>
 std::string_view missing_zonecast(const EngineContext& context) {
   if (context.page_builder == nullptr || !*context.page_builder) return "no page builder was given";
-  return misfit(kVariant, {context.device->subgroup_size(), context.device->limits().maxComputeSharedMemorySize, 1});
+  return unsupported_reason(kVariant,
+                            {context.device->subgroup_size(), context.device->limits().maxComputeSharedMemorySize, 1});
 }
 
 template <TraceVariant kVariant, bool kPlain>

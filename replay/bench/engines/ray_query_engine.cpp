@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "replay/bench/engines/gpu_engine.h"
-#include "runtime/device/shader_code.h"
+#include "spirv/shader_code.h"
 
 namespace zc::bench {
 namespace {
@@ -75,7 +75,7 @@ class RayQueryEngine final : public GpuEngine {
     const auto took = std::chrono::steady_clock::now() - start;
     figures_ = {std::chrono::duration<double, std::milli>(took).count(), bottom_.buffer.bytes() + top_.buffer.bytes()};
     KernelOptions options;
-    options.spirv = shader::bench_trace_ray_query();
+    options.spirv = shader::trace_ray_query();
     options.acceleration_structure = true;
     ZC_TRY(set_kernel(std::move(options), {}));
     kernel().bind(top_.handle);

@@ -10,9 +10,9 @@
 #include "replay/bench/engines/plain_layout.h"
 #include "replay/bench/engines/stopwatch.h"
 #include "replay/bench/engines/zone_mesh.h"
-#include "runtime/device/shader_code.h"
 #include "runtime/renderer.h"
 #include "runtime/scene/zone_set.h"
+#include "spirv/shader_code.h"
 
 namespace zc::bench {
 namespace {
@@ -72,12 +72,12 @@ class ZonecastEngine final : public TraceEngine {
       options.page_depth = page_depth_;
       options.max_zones = static_cast<std::uint32_t>(entries_.size());
       options.trace = options_.variant;
-      if (const auto why_not = misfit(options.trace, trace_limits(device_, options)); !why_not.empty())
+      if (const auto why_not = unsupported_reason(options.trace, trace_limits(device_, options)); !why_not.empty())
         return Error{ErrorCode::kUnsupported, std::string(why_not)};
       if (options_.plain)
-        options.proxy_kernels = {shader::bench_trace_plain_packets(),
-                                 packets() ? shader::bench_trace_plain_children() : shader::bench_trace_plain_rays(),
-                                 shader::bench_resolve_plain()};
+        options.proxy_kernels = {shader::trace_plain_packets(),
+                                 packets() ? shader::trace_plain_children() : shader::trace_plain_rays(),
+                                 shader::resolve_plain()};
       ZC_ASSIGN(renderer_, Renderer::create(device_, options_.plain ? plain_zones_ : zones_, no_zones_, {}, options));
     }
     RenderCamera camera;

@@ -25,7 +25,7 @@ using bench::EmbreeQuality;
 using bench::PeerNode;
 using bench::TreeBuilder;
 using bench::TreeFigures;
-using bench::TreeLook;
+using bench::TreeProbe;
 
 struct Arguments {
   WorldOption world;
@@ -104,9 +104,9 @@ Result<TreeFigures> look_at(const WideTree& tree, const Zone& zone) {
 TreeBuilder make_own(std::string_view name, BvhMethod method, const std::vector<Zone>& zones) {
   BvhBuildOptions options;
   options.method = method;
-  const auto build = [options, &zones](std::size_t i) -> Result<TreeLook> {
+  const auto build = [options, &zones](std::size_t i) -> Result<TreeProbe> {
     ZC_ASSIGN(WideTree tree, build_wide_bvh(zones[i].triangles, options));
-    return TreeLook([tree = std::move(tree), &zone = zones[i]] { return look_at(tree, zone); });
+    return TreeProbe([tree = std::move(tree), &zone = zones[i]] { return look_at(tree, zone); });
   };
   return {"zonecast/" + std::string(name), build};
 }
@@ -215,9 +215,9 @@ class WideCopy {
 TreeBuilder make_peer(std::string name, EmbreeOptions options, bench::EmbreeBuilder* embree,
                       const std::vector<Zone>& zones) {
   if (embree == nullptr) return {std::move(name), {}, "built without Embree 3"};
-  const auto build = [=, &zones](std::size_t i) -> Result<TreeLook> {
+  const auto build = [=, &zones](std::size_t i) -> Result<TreeProbe> {
     ZC_ASSIGN(std::unique_ptr<bench::EmbreeTree> built, embree->build(zones[i].corners, options));
-    return TreeLook([built = std::shared_ptr<bench::EmbreeTree>(std::move(built)), &zone = zones[i], options] {
+    return TreeProbe([built = std::shared_ptr<bench::EmbreeTree>(std::move(built)), &zone = zones[i], options] {
       const std::vector<PeerNode> nodes = built->nodes();
       return look_at(options.width == 2 ? collapse(binary_tree(nodes), {}) : WideCopy(nodes).take(), zone);
     });

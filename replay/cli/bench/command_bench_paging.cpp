@@ -46,7 +46,7 @@ void add_bench_paging(CLI::App& app, const SetCommand& set) {
   CLI::App* command = app.add_subcommand(
       "paging", "What a world's size costs: opening its index, and choosing what should be resident frame by frame");
   add_world_option(*command, a->world, "without it: synthetic indices");
-  command->add_option("--nodes", a->nodes, "Nodes of the synthetic indices; parted by commas")
+  command->add_option("--nodes", a->nodes, "Nodes of the synthetic indices; separated by commas")
       ->delimiter(',')
       ->capture_default_str()
       ->check(CLI::Range(1U, 4000000U));

@@ -325,9 +325,9 @@ struct HttpClient::Download::State {
 
   // No exception may pass through C.
   template <class F>
-  std::size_t guard(std::size_t bytes, F&& take_in) {
+  std::size_t guard(std::size_t bytes, F&& start_queued) {
     try {
-      return take_in(*this) ? bytes : bytes == 0 ? 1 : 0;
+      return start_queued(*this) ? bytes : bytes == 0 ? 1 : 0;
     } catch (const std::exception& exception) {
       fault = error(exception.what());
       return bytes == 0 ? 1 : 0;
@@ -427,7 +427,7 @@ class HttpClient::Impl {
     sigemptyset(&pipe);
     sigaddset(&pipe, SIGPIPE);
     pthread_sigmask(SIG_BLOCK, &pipe, nullptr);
-    while (take_in()) {
+    while (start_queued()) {
       int running = 0;
       curl_multi_perform(multi_, &running);
       int left = 0;
@@ -437,13 +437,13 @@ class HttpClient::Impl {
         curl_easy_getinfo(message->easy_handle, CURLINFO_PRIVATE, &state);
         finish(*state, state->conclude(message->data.result));
       }
-      end_the_dead();
+      reap();
       if (!may_begin()) curl_multi_poll(multi_, nullptr, 0, poll_ms(), nullptr);
     }
   }
 
   // Begins what waits; false when the thread is to end.
-  bool take_in() {
+  bool start_queued() {
     std::vector<std::shared_ptr<State>> fresh, dropped;
     {
       const std::lock_guard lock(mutex_);
@@ -477,7 +477,7 @@ class HttpClient::Impl {
     return !queue_.empty() && active_.size() < kMostAtOnce;
   }
 
-  void end_the_dead() {
+  void reap() {
     const std::vector<std::shared_ptr<State>> now = active_;
     for (const auto& state : now) {
       if (state->cancelled) {

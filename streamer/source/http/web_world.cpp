@@ -8,9 +8,9 @@
 
 namespace zc {
 
-class WebWorld::WebReading final : public Reading {
+class WebWorld::WebRead final : public AsyncRead {
  public:
-  WebReading(WebWorld& world, std::vector<WantedFile> files) : world_(world), files_(std::move(files)) {
+  WebRead(WebWorld& world, std::vector<WantedFile> files) : world_(world), files_(std::move(files)) {
     parts_.resize(files_.size());
     std::vector<std::size_t> absent;
     for (std::size_t i = 0; i < files_.size(); ++i) {
@@ -110,8 +110,8 @@ Result<std::vector<std::byte>> WebWorld::read(const std::string& name, std::uint
   });
 }
 
-std::unique_ptr<Reading> WebWorld::begin(std::vector<WantedFile> files) {
-  return std::make_unique<WebReading>(*this, std::move(files));
+std::unique_ptr<AsyncRead> WebWorld::begin(std::vector<WantedFile> files) {
+  return std::make_unique<WebRead>(*this, std::move(files));
 }
 
 SourceStatistics WebWorld::statistics() const {

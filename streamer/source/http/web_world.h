@@ -23,7 +23,7 @@ class WebWorld : public Source {
   WebWorld(std::unique_ptr<HttpClient> client, std::unique_ptr<DiskCache> cache, std::string url, std::string watched);
 
   Result<std::vector<std::byte>> read(const std::string& name, std::uint64_t bytes) override;
-  std::unique_ptr<Reading> begin(std::vector<WantedFile> files) override;
+  std::unique_ptr<AsyncRead> begin(std::vector<WantedFile> files) override;
   [[nodiscard]] SourceStatistics statistics() const override;
 
  protected:
@@ -49,7 +49,7 @@ class WebWorld : public Source {
   [[nodiscard]] DiskCache* cache() const { return cache_.get(); }
 
  private:
-  class WebReading;
+  class WebRead;
   struct Version {
     std::string etag, last_modified;
     std::uint64_t bytes = 0;

@@ -65,34 +65,34 @@ class MaterialCode {
   Symbol<8> material_high_;
 };
 
-// Encoding, the looks are numbered by first use; decoding, there are none before.
+// Encoding, the appearances are numbered by first use; decoding, there are none before.
 template <class Coder>
-class LookCode {
+class AppearanceCode {
  public:
-  explicit LookCode(Coder& coder) : coder_(coder) {}
+  explicit AppearanceCode(Coder& coder) : coder_(coder) {}
 
   // Why it cannot be decoded, or nothing.
-  const char* run(const BvhFileHeader& header, std::size_t triangles, ZoneAppearance& look) {
+  const char* run(const BvhFileHeader& header, std::size_t triangles, ZoneAppearance& appearance) {
     if (!Coder::kEncodes) {
-      look.look_of.resize(triangles);
-      look.looks.reserve(header.look_count);
+      appearance.appearance_of.resize(triangles);
+      appearance.appearances.reserve(header.appearance_count);
     }
     std::uint32_t known = 0;
     std::uint32_t same_before = 0;
     std::uint32_t last = 0;
     for (std::size_t t = 0; t < triangles; ++t) {
-      std::uint32_t number = look.look_of[t];
+      std::uint32_t number = appearance.appearance_of[t];
       std::uint32_t same = number == last ? 1 : 0;
-      if (t > 0) coder_.bit(same_look_[same_before], same);
+      if (t > 0) coder_.bit(same_appearance_[same_before], same);
       if (t == 0 || same == 0) {
         same = 0;
         std::uint32_t fresh = number == known ? 1 : 0;
-        if (t > 0) coder_.bit(fresh_look_, fresh);
+        if (t > 0) coder_.bit(fresh_appearance_, fresh);
         if (t == 0 || fresh != 0) {
-          if (known == header.look_count) return "more looks than the header says";
+          if (known == header.appearance_count) return "more looks than the header says";
           number = known++;
-          if (!Coder::kEncodes) look.looks.emplace_back();
-          code_look(look.looks[number]);
+          if (!Coder::kEncodes) appearance.appearances.emplace_back();
+          code_appearance(appearance.appearances[number]);
         } else {
           std::uint32_t back = known - 1 - number;
           look_back_.code(coder_, back);
@@ -104,40 +104,40 @@ class LookCode {
       }
       same_before = same;
       last = number;
-      look.look_of[t] = static_cast<std::uint16_t>(number);
+      appearance.appearance_of[t] = static_cast<std::uint16_t>(number);
     }
-    return known == header.look_count ? nullptr : "fewer looks than the header says";
+    return known == header.appearance_count ? nullptr : "fewer looks than the header says";
   }
 
  private:
-  void code_look(gpu::Look& look) {
-    std::uint32_t low = look.material & 0xFFU;
-    std::uint32_t high = look.material >> 8U & 0xFFU;
-    std::uint32_t kind = look.material >> 16U & 0x7FU;
+  void code_appearance(gpu::Appearance& appearance) {
+    std::uint32_t low = appearance.material & 0xFFU;
+    std::uint32_t high = appearance.material >> 8U & 0xFFU;
+    std::uint32_t kind = appearance.material >> 16U & 0x7FU;
     material_low_.code(coder_, low);
     material_high_.code(coder_, high);
-    look_kind_.code(coder_, kind);
-    std::uint32_t gain = look.material >> 23U & 0xFFU;
-    look_gain_.code(coder_, gain);
+    appearance_kind_.code(coder_, kind);
+    std::uint32_t gain = appearance.material >> 23U & 0xFFU;
+    appearance_gain_.code(coder_, gain);
     std::uint32_t place = 0;
     for (unsigned half = 0; half < 2; ++half) {
       const std::uint32_t before = place_before_ >> (16 * half) & 0xFFFFU;
-      std::int32_t change = static_cast<std::int16_t>((look.place >> (16 * half)) - before);
+      std::int32_t change = static_cast<std::int16_t>((appearance.place >> (16 * half)) - before);
       place_change_[half].code(coder_, change);
       place |= ((before + static_cast<std::uint32_t>(change)) & 0xFFFFU) << (16 * half);
     }
     place_before_ = place;
-    look = {low | high << 8U | kind << 16U | gain << 23U, place};
+    appearance = {low | high << 8U | kind << 16U | gain << 23U, place};
   }
 
   Coder& coder_;
-  std::array<Bit, 2> same_look_;
-  Bit fresh_look_;
+  std::array<Bit, 2> same_appearance_;
+  Bit fresh_appearance_;
   Number look_back_;
   Symbol<8> material_low_;
   Symbol<8> material_high_;
-  Symbol<7> look_kind_;
-  Symbol<8> look_gain_;
+  Symbol<7> appearance_kind_;
+  Symbol<8> appearance_gain_;
   std::array<SignedNumber, 2> place_change_;
   std::uint32_t place_before_ = 0;
 };
@@ -258,26 +258,26 @@ class NormalCode {
   explicit NormalCode(Coder& coder) : coder_(coder) {}
 
   // Why it cannot be decoded, or nothing.
-  const char* run(const BvhFileHeader& header, const ZoneMesh& mesh, ZoneAppearance& look) {
+  const char* run(const BvhFileHeader& header, const ZoneMesh& mesh, ZoneAppearance& appearance) {
     if (!Coder::kEncodes) {
-      look.curved.reserve(header.curved_count);
-      look.normals.reserve(header.curved_count);
+      appearance.curved.reserve(header.curved_count);
+      appearance.normals.reserve(header.curved_count);
     }
     std::vector<std::array<std::uint16_t, 2>> at_vertex(mesh.vertices.size(), {kUnknown, kUnknown});
     std::array<std::uint16_t, 2> last = {512, 512};
     std::uint32_t curved_before = 0;
     std::size_t next = 0;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      std::uint32_t curved = Coder::kEncodes && next < look.curved.size() && look.curved[next] == t ? 1 : 0;
+      std::uint32_t curved = Coder::kEncodes && next < appearance.curved.size() && appearance.curved[next] == t ? 1 : 0;
       coder_.bit(curved_[curved_before], curved);
       curved_before = curved;
       if (curved == 0) continue;
       if (next == header.curved_count) return "more curved triangles than the header says";
       if (!Coder::kEncodes) {
-        look.curved.push_back(t);
-        look.normals.emplace_back();
+        appearance.curved.push_back(t);
+        appearance.normals.emplace_back();
       }
-      gpu::TriangleNormals& normals = look.normals[next++];
+      gpu::TriangleNormals& normals = appearance.normals[next++];
       const std::uint64_t packed =
           (normals.first_second & 0x3FFFFFFFU) | std::uint64_t{normals.second_third & 0x3FFFFFFFU} << 30U;
       std::uint64_t coded = 0;

@@ -74,29 +74,31 @@ struct Walls {
     scene.materials.push_back(material);
     return static_cast<std::uint16_t>(scene.materials.size() - 1);
   }
-  ZoneAppearance looks(const AtlasOptions& options = {}) {
+  ZoneAppearance appearances(const AtlasOptions& options = {}) {
     TextureSource source(scene);
     source.move_to_lattice({0, 0, 0}, kStepLog2);
-    return make_zone_looks(mesh, node, source, scene.materials, kStepM, options);
+    return make_zone_appearance(mesh, node, source, scene.materials, kStepM, options);
   }
 };
 
-// As shaders/page_look.glsl reads the first level.
+// As shaders/page_appearance.glsl reads the first level.
 class Atlas {
  public:
-  explicit Atlas(const ZoneAppearance& look) : look_(look), shape_(AtlasShape::unpack(look.atlas_size)) {}
+  explicit Atlas(const ZoneAppearance& appearance)
+      : appearance_(appearance), shape_(AtlasShape::unpack(appearance.atlas_size)) {}
 
   [[nodiscard]] glm::vec3 color(std::uint32_t triangle, const glm::dvec3& steps) const {
-    const gpu::Look look = look_.looks[look_.look_of[triangle]];
-    if ((look.material >> 16U & 3U) == gpu::kLookColor)
-      return gain(look) * glm::vec3(srgb8_to_linear(look.place & 255U), srgb8_to_linear(look.place >> 8U & 255U),
-                                    srgb8_to_linear(look.place >> 16U & 255U));
-    const std::uint32_t axis = look.material >> 18U & 3U;
+    const gpu::Appearance appearance = appearance_.appearances[appearance_.appearance_of[triangle]];
+    if ((appearance.material >> 16U & 3U) == gpu::kAppearanceColor)
+      return gain(appearance) * glm::vec3(srgb8_to_linear(appearance.place & 255U),
+                                          srgb8_to_linear(appearance.place >> 8U & 255U),
+                                          srgb8_to_linear(appearance.place >> 16U & 255U));
+    const std::uint32_t axis = appearance.material >> 18U & 3U;
     const glm::dvec2 plane = axis == 0 ? glm::dvec2(steps.y, steps.z)
                                        : (axis == 1 ? glm::dvec2(steps.x, steps.z) : glm::dvec2(steps.x, steps.y));
-    const glm::dvec2 moved(static_cast<std::int16_t>(look.place & 0xFFFFU),
-                           static_cast<std::int16_t>(look.place >> 16U));
-    const glm::dvec2 at = plane * static_cast<double>(look_.texels_per_step) + moved - 0.5;
+    const glm::dvec2 moved(static_cast<std::int16_t>(appearance.place & 0xFFFFU),
+                           static_cast<std::int16_t>(appearance.place >> 16U));
+    const glm::dvec2 at = plane * static_cast<double>(appearance_.texels_per_step) + moved - 0.5;
     const glm::dvec2 low = glm::floor(at);
     const glm::vec2 part(at - low);
     const auto texel_at = [&](int x, int y) {
@@ -105,16 +107,18 @@ class Atlas {
     };
     const glm::vec3 c = glm::mix(glm::mix(texel_at(0, 0), texel_at(1, 0), part.x),
                                  glm::mix(texel_at(0, 1), texel_at(1, 1), part.x), part.y);
-    return c * gain(look);
+    return c * gain(appearance);
   }
 
  private:
-  static float gain(const gpu::Look& look) { return std::exp2(-static_cast<float>(look.material >> 23U & 255U) / 32); }
+  static float gain(const gpu::Appearance& appearance) {
+    return std::exp2(-static_cast<float>(appearance.material >> 23U & 255U) / 32);
+  }
   [[nodiscard]] glm::vec3 texel(std::uint32_t x, std::uint32_t y) const {
     const std::uint32_t row = (1U << shape_.width_log2) / 4;
     const std::uint32_t word = 2 * (y / 4 * row + x / 4);
-    const std::uint32_t ends = look_.atlas[word];
-    const std::uint32_t index = look_.atlas[word + 1] >> (2 * (4 * (y % 4) + x % 4)) & 3U;
+    const std::uint32_t ends = appearance_.atlas[word];
+    const std::uint32_t index = appearance_.atlas[word + 1] >> (2 * (4 * (y % 4) + x % 4)) & 3U;
     const auto rgb = [](std::uint32_t c) {
       return glm::vec3(static_cast<float>(c >> 11U & 31U) / 31, static_cast<float>(c >> 5U & 63U) / 63,
                        static_cast<float>(c & 31U) / 31);
@@ -126,12 +130,12 @@ class Atlas {
     return {srgb_to_linear(c.r), srgb_to_linear(c.g), srgb_to_linear(c.b)};
   }
 
-  const ZoneAppearance& look_;
+  const ZoneAppearance& appearance_;
   AtlasShape shape_;
 };
 
-std::uint32_t kind_of(const ZoneAppearance& look, std::uint32_t triangle) {
-  return look.looks[look.look_of[triangle]].material >> 16U & 3U;
+std::uint32_t kind_of(const ZoneAppearance& appearance, std::uint32_t triangle) {
+  return appearance.appearances[appearance.appearance_of[triangle]].material >> 16U & 3U;
 }
 
 glm::vec3 mean_over_wall(const Atlas& atlas, const glm::dvec2& from, const glm::dvec2& to, double height) {
@@ -169,9 +173,9 @@ TEST(Appearance, TheMeanColourOfAWallIsItsTextures) {
       const glm::dvec2 from(4, 4);
       const glm::dvec2 to = from + 12.0 * direction;
       walls.add(from, to, 8, material, 0.25F);
-      const ZoneAppearance look = walls.looks();
-      ASSERT_TRUE(direction.y > 0 || kind_of(look, 0) == gpu::kLookTextured) << name;
-      const glm::vec3 got = mean_over_wall(Atlas(look), from, to, 8);
+      const ZoneAppearance appearance = walls.appearances();
+      ASSERT_TRUE(direction.y > 0 || kind_of(appearance, 0) == gpu::kAppearanceTextured) << name;
+      const glm::vec3 got = mean_over_wall(Atlas(appearance), from, to, 8);
       const glm::vec3 wanted = image.mean * factor;
       const glm::vec3 luminance(0.2126F, 0.7152F, 0.0722F);
       EXPECT_NEAR(glm::dot(got, luminance), glm::dot(wanted, luminance), 0.02F * glm::dot(wanted, luminance)) << name;
@@ -187,8 +191,8 @@ TEST(Appearance, PointsOfAWallShowTheTexelsOfTheirPlace) {
   const TextureImage ramp = image_of(512, 512, [](auto x, auto y) { return glm::uvec3(x / 2, y / 2, 128); });
   const std::uint16_t material = walls.paint(ramp);
   walls.add({3, 5}, {13, 5}, 10, material, 0.1F);  // faces -y
-  const ZoneAppearance look = walls.looks();
-  const Atlas atlas(look);
+  const ZoneAppearance appearance = walls.appearances();
+  const Atlas atlas(appearance);
   for (const double x : {0.11, 0.37, 0.5, 0.83})
     for (const double z : {0.07, 0.46, 0.92}) {
       const glm::vec3 c = atlas.color(0, glm::dvec3(3 + 10 * x, 5, 10 * z) / kStepM);
@@ -211,8 +215,8 @@ TEST(Appearance, WallsBackToBackKeepTheirOwnSides) {
   walls.add({2, 2}, {12, 2}, 6, red, 0.5F);
   walls.add({12, 2}, {2, 2}, 6, green, 0.5F);  // in the same place, facing away
   walls.add({12, 2.05}, {2, 2.05}, 6, green, 0.5F);
-  const ZoneAppearance look = walls.looks();
-  const Atlas atlas(look);
+  const ZoneAppearance appearance = walls.appearances();
+  const Atlas atlas(appearance);
   for (const double x : {2.5, 7.0, 11.5})
     for (const double z : {0.5, 3.0, 5.5}) {
       const glm::vec3 front = atlas.color(0, glm::dvec3(x, 2, z) / kStepM);
@@ -239,16 +243,16 @@ TEST(Appearance, WhatShowsNothingNeedsNoAtlas) {
   Walls flat;
   const TextureImage grey = image_of(64, 64, [](auto x, auto) { return glm::uvec3(x % 2 == 0 ? 100 : 101); });
   flat.add({1, 1}, {9, 1}, 5, flat.paint(grey), 1);
-  const ZoneAppearance look = flat.looks();
-  EXPECT_TRUE(look.atlas.empty());
-  ASSERT_EQ(kind_of(look, 0), gpu::kLookColor);
-  EXPECT_NEAR(Atlas(look).color(0, glm::dvec3(0)).g, grey.mean.g, 0.02F * grey.mean.g);
+  const ZoneAppearance appearance = flat.appearances();
+  EXPECT_TRUE(appearance.atlas.empty());
+  ASSERT_EQ(kind_of(appearance, 0), gpu::kAppearanceColor);
+  EXPECT_NEAR(Atlas(appearance).color(0, glm::dvec3(0)).g, grey.mean.g, 0.02F * grey.mean.g);
 
   Walls plain;
   plain.scene.materials.emplace_back();
   plain.add({1, 1}, {9, 1}, 5, 0, 1);
   plain.scene.texcoords.clear();
-  EXPECT_TRUE(plain.looks().looks.empty());
+  EXPECT_TRUE(plain.appearances().appearances.empty());
 }
 
 TEST(Appearance, ManyChartsShareASmallAtlasMoreCoarsely) {
@@ -257,11 +261,11 @@ TEST(Appearance, ManyChartsShareASmallAtlasMoreCoarsely) {
       image_of(128, 128, [](auto x, auto y) { return glm::uvec3(60 + mixed(x / 16 + 64 * (y / 16)) % 180); }));
   for (int i = 0; i < 60; ++i)
     walls.add({1.0 + i % 10 * 6, 1.0 + i / 10 * 6}, {5.0 + i % 10 * 6, 1.0 + i / 10 * 6}, 4, material, 0.25F);
-  const ZoneAppearance fine = walls.looks();
+  const ZoneAppearance fine = walls.appearances();
   Walls again = walls;
   for (std::uint32_t t = 0; t < again.mesh.triangles.size(); ++t) {
     const auto& [a, b, c] = again.scene.triangles[t];
-    EXPECT_EQ(kind_of(fine, t), gpu::kLookTextured) << t << ' ' << a << b << c;
+    EXPECT_EQ(kind_of(fine, t), gpu::kAppearanceTextured) << t << ' ' << a << b << c;
   }
   EXPECT_LE(fine.atlas.size(), 512U * 512 / 16 * 2 * 4 / 3 + 16);
 }

@@ -13,7 +13,7 @@ WorldIndex make_index() {
   NodeRecord proxy;
   proxy.triangle_count = 100;
   proxy.reference_count = 110;
-  proxy.look_bytes = 80;
+  proxy.appearance_bytes = 80;
   proxy.light_bytes = 8 * 110;
   proxy.normal_bytes = 8 * 10;
   proxy.texture_bytes = 32 * 32 / 2 + 16 * 16 / 2 + 8 * 8 / 2;

@@ -37,8 +37,8 @@ Built build_flat_ground(bool textured) {
     out.cut_leaves += zone.children.empty() ? 1 : 0;
     out.area += area_of(zone.detail);
   }
-  const std::vector<std::uint16_t> looks = look_classes(scene.materials);
-  const SimplifyContext context = {nullptr, scene.materials, looks, 1.0 / 256, 0.1, kLeafTriangles, textured};
+  const std::vector<std::uint16_t> appearances = appearance_classes(scene.materials);
+  const SimplifyContext context = {nullptr, scene.materials, appearances, 1.0 / 256, 0.1, kLeafTriangles, textured};
   BakeCache store;
   ProxyCache cache(store, scene.materials.size());
   out.proxies = *build_proxies(std::move(tree), context, cache, [] {});

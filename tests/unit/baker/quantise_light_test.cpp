@@ -34,19 +34,19 @@ gpu::TriangleLight light_of(std::uint32_t sky, std::uint32_t level) {
   return light;
 }
 
-TEST(QuietLight, NoiseBecomesOneValue) {
+TEST(QuantiseLight, NoiseBecomesOneValue) {
   const ZoneMesh mesh = ground(8);
   std::vector<gpu::TriangleLight> light;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     light.push_back(t % 2 == 0 ? light_of(200, 7) : light_of(195, 8));
-  quiet_light(mesh, light);
+  quantise_light(mesh, light);
   for (const gpu::TriangleLight& l : light) {
     EXPECT_EQ(l.sky, light[0].sky);
     EXPECT_EQ(l.bounce, light[0].bounce);
   }
 }
 
-TEST(QuietLight, NothingMovesByMoreThanItSays) {
+TEST(QuantiseLight, NothingMovesByMoreThanItSays) {
   const ZoneMesh mesh = ground(20);
   std::mt19937 random(7);
   std::vector<gpu::TriangleLight> before;
@@ -59,7 +59,7 @@ TEST(QuietLight, NothingMovesByMoreThanItSays) {
     before.push_back(light);
   }
   std::vector<gpu::TriangleLight> after = before;
-  quiet_light(mesh, after);
+  quantise_light(mesh, after);
   const auto apart = [](std::uint32_t a, std::uint32_t b) {
     return std::abs(static_cast<int>(a) - static_cast<int>(b));
   };

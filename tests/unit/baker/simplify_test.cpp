@@ -117,7 +117,7 @@ TEST(Decimate, WideFansAreCutIntoSectorsAndDoNotGape) {
   for (std::uint32_t v = 0; v < cut.vertices.size(); ++v) EXPECT_TRUE(cut.vertices[v] != hub || locked[v]);
 }
 
-constexpr std::array<std::uint16_t, 4> kLooks = {0, 1, 2, 3};  // of SceneMaker's materials: all different
+constexpr std::array<std::uint16_t, 4> kAppearances = {0, 1, 2, 3};  // of SceneMaker's materials: all different
 
 // Farthest that a point of `a` is from `b`, from a dense grid on every triangle and every pair of triangles.
 double farthest_by_brute_force(const LatticeMesh& a, const LatticeMesh& b) {
@@ -162,12 +162,12 @@ LatticeMesh wall_with_window(double depth) {
 
 TEST(VertexCollapse, AFlatGridBecomesTwoTriangles) {
   const LatticeMesh grid = flat_grid(20, false);
-  EXPECT_EQ(collapse_vertices(grid, unlocked(grid), kLooks, {2.0, 2, 0}).mesh.faces.size(), 2U);
+  EXPECT_EQ(collapse_vertices(grid, unlocked(grid), kAppearances, {2.0, 2, 0}).mesh.faces.size(), 2U);
 }
 
-TEST(VertexCollapse, BordersBetweenLooksStayUntilLooksAreTheSame) {
+TEST(VertexCollapse, BordersBetweenAppearancesStayUntilAppearancesAreTheSame) {
   const LatticeMesh grid = flat_grid(20, true);
-  const LatticeMesh kept = collapse_vertices(grid, unlocked(grid), kLooks, {2.0, 2, 0}).mesh;
+  const LatticeMesh kept = collapse_vertices(grid, unlocked(grid), kAppearances, {2.0, 2, 0}).mesh;
   EXPECT_EQ(kept.faces.size(), 4U);
   double road = 0;
   for (const auto& face : kept.faces) road += face.material == 3 ? face_area(kept, face) : 0;
@@ -184,7 +184,7 @@ TEST(VertexCollapse, LockedVerticesAndTheEdgesBetweenThemStay) {
     locked[i] = grid.vertices[i][0] == 0;
     if (locked[i]) border.insert(grid.vertices[i]);
   }
-  const LatticeMesh out = collapse_vertices(grid, locked, kLooks, {25.6, 45, 0}).mesh;
+  const LatticeMesh out = collapse_vertices(grid, locked, kAppearances, {25.6, 45, 0}).mesh;
   std::size_t edges = 0;
   for (const auto& face : out.faces)
     for (std::size_t i = 0; i < 3; ++i)
@@ -197,7 +197,7 @@ TEST(VertexCollapse, LockedVerticesAndTheEdgesBetweenThemStay) {
 
 TEST(VertexCollapse, AShallowRevealGoesADeepOneStays) {
   const LatticeMesh shallow = wall_with_window(0.03);
-  const LatticeMesh flat = collapse_vertices(shallow, unlocked(shallow), kLooks, {25.6, 2, 0}).mesh;
+  const LatticeMesh flat = collapse_vertices(shallow, unlocked(shallow), kAppearances, {25.6, 2, 0}).mesh;
   EXPECT_LE(flat.faces.size(), 10U);  // eight around the window, two in it
   for (const auto& p : flat.vertices) EXPECT_EQ(p[1], flat.vertices[0][1]);
   double glass = 0;
@@ -205,7 +205,7 @@ TEST(VertexCollapse, AShallowRevealGoesADeepOneStays) {
   EXPECT_DOUBLE_EQ(glass, 4.0 * 256 * 256);
 
   const LatticeMesh deep = wall_with_window(0.5);
-  const LatticeMesh kept = collapse_vertices(deep, unlocked(deep), kLooks, {25.6, 2, 0}).mesh;
+  const LatticeMesh kept = collapse_vertices(deep, unlocked(deep), kAppearances, {25.6, 2, 0}).mesh;
   EXPECT_EQ(kept.faces.size(), 8U + 8U + 2U);
 }
 
@@ -223,7 +223,7 @@ TEST(VertexCollapse, APoleOfManySidesStaysClosed) {
   }
   maker.object(ObjectKind::kObject);
   const LatticeMesh pole = mesh_of(std::move(maker.scene));
-  const LatticeMesh out = collapse_vertices(pole, unlocked(pole), kLooks, {25.6, 2, 0}).mesh;
+  const LatticeMesh out = collapse_vertices(pole, unlocked(pole), kAppearances, {25.6, 2, 0}).mesh;
   EXPECT_LE(out.faces.size(), 12U);
   EXPECT_GE(out.faces.size(), 4U);
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
@@ -245,7 +245,7 @@ TEST(VertexCollapse, TheResultIsWithinTheToleranceBothWays) {
   maker.object(ObjectKind::kObject);
   const LatticeMesh mesh = mesh_of(std::move(maker.scene));
   for (const double tolerance : {5.0, 25.6, 128.0}) {
-    const LatticeMesh out = collapse_vertices(mesh, unlocked(mesh), kLooks, {tolerance, 10, 0}).mesh;
+    const LatticeMesh out = collapse_vertices(mesh, unlocked(mesh), kAppearances, {tolerance, 10, 0}).mesh;
     EXPECT_LT(out.faces.size(), mesh.faces.size());
     EXPECT_LE(farthest_by_brute_force(out, mesh), tolerance);
     EXPECT_LE(farthest_by_brute_force(mesh, out), tolerance);
@@ -259,18 +259,19 @@ TEST(TriangleCover, TheBoundHoldsAndIsTight) {
   const DistanceBvh bvh(terrain);
   const auto nearest = [&](const glm::dvec3& p, double& distance) {
     const DistanceTriangle* found = nullptr;
-    bvh.nearest(p, kEveryLook, 0, found, distance);
+    bvh.nearest(p, kEveryAppearance, 0, found, distance);
     return found;
   };
   LatticeMesh one;
   one.vertices = {{0, 0, 600}, {2600, 100, 500}, {300, 2600, 900}};
   one.faces = {{{0, 1, 2}, 0, false}};
   const double measured = farthest_by_brute_force(one, terrain);
-  const Cover found = cover(corners_of(one, one.faces[0]), {measured, 0, 1, 1000000, false}, nearest);
-  EXPECT_GE(found.most, measured);
-  EXPECT_LE(found.most, measured * 1.05);
-  EXPECT_TRUE(cover(corners_of(one, one.faces[0]), {measured * 1.05, 0, 1, 1000000, false}, nearest).within);
-  EXPECT_FALSE(cover(corners_of(one, one.faces[0]), {measured * 0.95, 0, 1, 1000000, true}, nearest).within);
+  const HausdorffBound found =
+      hausdorff_bound(corners_of(one, one.faces[0]), {measured, 0, 1, 1000000, false}, nearest);
+  EXPECT_GE(found.bound, measured);
+  EXPECT_LE(found.bound, measured * 1.05);
+  EXPECT_TRUE(hausdorff_bound(corners_of(one, one.faces[0]), {measured * 1.05, 0, 1, 1000000, false}, nearest).within);
+  EXPECT_FALSE(hausdorff_bound(corners_of(one, one.faces[0]), {measured * 0.95, 0, 1, 1000000, true}, nearest).within);
 }
 
 TEST(Measure, AKnownOffsetIsFoundBothWays) {
@@ -286,14 +287,14 @@ TEST(Measure, AKnownOffsetIsFoundBothWays) {
   const DetailSurface surface = {&detail, &bvh};
   const std::vector<Material> materials = {{"a", {0, 0, 0}}, {"b", {0.5F, 0.5F, 0.5F}}};
   const SurfaceError error =
-      measure_proxy(proxy, std::span(&surface, 1), materials, look_classes(materials), 1.0 / 256);
+      measure_proxy(proxy, std::span(&surface, 1), materials, appearance_classes(materials), 1.0 / 256);
   EXPECT_DOUBLE_EQ(error.max_m, 0.5);  // only the detail's upper sheet sees it
   EXPECT_NEAR(error.mean_m, 0.125, 1e-3);
   EXPECT_NEAR(error.color_error, 0.5, 1e-6);
   EXPECT_NEAR(error.normal_deviation_deg, 0, 1e-3);
 }
 
-TEST(Measure, ALookThatIsNowhereLeavesDistancesCloseOnManySurfaces) {
+TEST(Measure, AnAppearanceThatIsNowhereLeavesDistancesCloseOnManySurfaces) {
   constexpr std::int32_t kSide = 50;    // surfaces along a side
   constexpr std::int32_t kSteps = 256;  // of a surface
   const auto quad = [](LatticePoint at, std::int32_t size, std::uint16_t material) {
@@ -302,22 +303,22 @@ TEST(Measure, ALookThatIsNowhereLeavesDistancesCloseOnManySurfaces) {
                        {{{0, 1, 2}, material}, {{0, 2, 3}, material}}};
   };
   const std::vector<Material> materials = {{"a", {0, 0, 0}}, {"b", {0.5F, 0.5F, 0.5F}}};
-  const std::vector<std::uint16_t> looks = look_classes(materials);
+  const std::vector<std::uint16_t> appearances = appearance_classes(materials);
   std::vector<LatticeMesh> meshes;
   std::vector<DistanceBvh> trees;
   std::vector<DetailSurface> surfaces;
   for (std::int32_t i = 0; i < kSide * kSide; ++i) {
     meshes.push_back(quad({i % kSide * kSteps, i / kSide * kSteps, 0}, kSteps, 0));
-    trees.emplace_back(meshes.back(), looks);
+    trees.emplace_back(meshes.back(), appearances);
   }
   for (std::size_t i = 0; i < meshes.size(); ++i) surfaces.push_back({&meshes[i], &trees[i]});
   const LatticeMesh proxy = quad({0, 0, kSteps}, kSide * kSteps, 1);
-  const SurfaceError error = measure_proxy(proxy, surfaces, materials, looks, 1.0 / kSteps);
+  const SurfaceError error = measure_proxy(proxy, surfaces, materials, appearances, 1.0 / kSteps);
   EXPECT_FALSE(error.is_loose);
   EXPECT_GE(error.max_m, 1);
   EXPECT_LT(error.max_m, 2);  // a bound
   EXPECT_NEAR(error.mean_m, 1, 1e-6);
-  EXPECT_NEAR(error.appearance_m, 1, 1e-6);  // where there is nothing of its look: to the other surface
+  EXPECT_NEAR(error.appearance_m, 1, 1e-6);  // where there is nothing of its appearance: to the other surface
 }
 
 TEST(Measure, ClosestPointsAgreeWithEveryTriangleTried) {
@@ -378,7 +379,7 @@ TEST(Components, WhatIsLostFarFromAllElseGetsAStandIn) {
     const DistanceBvh bvh(mesh);
     double farthest = 0;
     for (const LatticePoint& p : source.vertices)
-      farthest = std::max(farthest, bvh.closest_of_look({p[0], p[1], p[2]}, 0, 1e9));
+      farthest = std::max(farthest, bvh.closest_of_appearance({p[0], p[1], p[2]}, 0, 1e9));
     return farthest / 256;
   };
   EXPECT_GT(farthest_m(left), 900);
@@ -412,9 +413,9 @@ TEST(Simplify, ALeafKeepsItsErrorBound) {
   ASSERT_EQ(tree.zones.size(), 1U);
   const LatticeMesh& detail = tree.zones[0].detail;
   const DistanceBvh bvh(detail);
-  const std::vector<std::uint16_t> looks = look_classes(scene.materials);
+  const std::vector<std::uint16_t> appearances = appearance_classes(scene.materials);
   for (const double error_m : {0.02, 0.2, 1.0}) {
-    const SimplifyContext context = {&tree.grid, scene.materials, looks, 1.0 / 256, error_m, 1000000};
+    const SimplifyContext context = {&tree.grid, scene.materials, appearances, 1.0 / 256, error_m, 1000000};
     const Proxy proxy = simplify_leaf(context, tree.zones[0], round_detail(detail), {&detail, &bvh});
     EXPECT_LE(proxy.error.max_m, error_m);
     EXPECT_LE(proxy.mesh.faces.size(), detail.faces.size());
@@ -433,8 +434,8 @@ TEST(Simplify, TheRootReachesItsTargetWhateverItTakes) {
   const ZoneTree tree = cut_zones(scene, 1000000);
   const LatticeMesh& detail = tree.zones[0].detail;
   const DistanceBvh bvh(detail);
-  const std::vector<std::uint16_t> looks = look_classes(scene.materials);
-  const SimplifyContext context = {&tree.grid, scene.materials, looks, 1.0 / 256, 0.05, 400};
+  const std::vector<std::uint16_t> appearances = appearance_classes(scene.materials);
+  const SimplifyContext context = {&tree.grid, scene.materials, appearances, 1.0 / 256, 0.05, 400};
   const Proxy proxy = simplify_leaf(context, tree.zones[0], round_detail(detail), {&detail, &bvh});
   EXPECT_LE(proxy.mesh.faces.size(), 400U);
   EXPECT_GT(proxy.mesh.faces.size(), 0U);

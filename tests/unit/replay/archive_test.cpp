@@ -120,7 +120,7 @@ TEST_F(Archive, DamagedOnesAreErrorsOrGiveWhatIsThere) {
   const auto file = folder_ / "bad.3tz";
   std::size_t refused = 0;
   std::size_t unread = 0;
-  const auto look = [&](const Bytes& bytes) {
+  const auto appearance = [&](const Bytes& bytes) {
     ASSERT_TRUE(write_file(file, bytes).ok());
     auto source = open_source(file);
     if (!source.ok()) {
@@ -136,10 +136,10 @@ TEST_F(Archive, DamagedOnesAreErrorsOrGiveWhatIsThere) {
   for (std::size_t at = 0; at < sound.size(); ++at) {
     Bytes bytes = sound;
     bytes[at] ^= std::byte{static_cast<unsigned char>(at % 2 == 0 ? 0xFF : 0x04)};
-    look(bytes);
+    appearance(bytes);
   }
   for (std::size_t size = 0; size < sound.size(); size += 13)
-    look({sound.begin(), sound.begin() + static_cast<long>(size)});
+    appearance({sound.begin(), sound.begin() + static_cast<long>(size)});
   EXPECT_GT(refused, sound.size() / 13 / 2);
   EXPECT_GT(unread, 200U);
 }

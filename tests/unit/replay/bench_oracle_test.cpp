@@ -16,7 +16,7 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kStep = 0x1p-8F;
 
-// A wall of two triangles, 8 m × 8 m at x = 10, parted by the diagonal y = z; the third one 5 m behind it.
+// A wall of two triangles, 8 m × 8 m at x = 10, separated by the diagonal y = z; the third one 5 m behind it.
 const std::vector<BenchTriangle> kWall = {
     {{10, 0, 0, 10, 8, 0, 10, 8, 8}}, {{10, 0, 0, 10, 8, 8, 10, 0, 8}}, {{15, -50, -50, 15, 50, -50, 15, 0, 50}}};
 

@@ -79,9 +79,9 @@ TEST_F(CameraPathFile, CsvFaultsNameTheirLine) {
   EXPECT_EQ(fault(kHeader + "2,2e9,0,0,1,0,0,60\n"), "line 2: a value is beyond 1e9");
   EXPECT_EQ(fault(kHeader + "\n2,0,x,0,1,0,0,60\n"), "line 3: value 3 is not a number");
   EXPECT_EQ(fault(kHeader + "2,0,1e999,0,1,0,0,60\n"), "line 2: value 3 is not a number");
-  EXPECT_EQ(fault(kHeader + "2,0,0,0,1,0,0\n"), "line 2: expected 8 values parted by commas");
-  EXPECT_EQ(fault(kHeader + "2,0,0,0,1,0,0,60,1\n"), "line 2: expected 8 values parted by commas");
-  EXPECT_EQ(fault(kHeader + "2,0,0,0,1,0,0,60 \n"), "line 2: expected 8 values parted by commas");
+  EXPECT_EQ(fault(kHeader + "2,0,0,0,1,0,0\n"), "line 2: expected 8 values separated by commas");
+  EXPECT_EQ(fault(kHeader + "2,0,0,0,1,0,0,60,1\n"), "line 2: expected 8 values separated by commas");
+  EXPECT_EQ(fault(kHeader + "2,0,0,0,1,0,0,60 \n"), "line 2: expected 8 values separated by commas");
   EXPECT_EQ(fault(kHeader + good + "0.5,0,0,0,1,0,0,60\n"), "line 3: time runs backwards");
   EXPECT_EQ(fault(kHeader + "1,5,5,5,5,5,5,60\n"), "line 2: eye and target are the same point");
   EXPECT_EQ(fault(kHeader + "1,0,0,0,1,0,0,0.5\n"), "line 2: fov_y_deg is not between 1 and 170");

@@ -98,7 +98,7 @@ StreamerOptions options_for(const Source& source, ClockKind clock) {
           .max_in_flight = 6};
 }
 
-// The event log, and every page of the cover where it should be.
+// The event log, and every page of the rendered cut where it should be.
 std::string drive(Source& source) {
   HeapPageSink sink;
   auto streamer = Streamer::open(source, options_for(source, ClockKind::kVirtual), sink);
@@ -106,7 +106,7 @@ std::string drive(Source& source) {
   for (int frame = 0; frame < 120; ++frame) {
     const View view = view_at(frame / 120.0 + frame / 2 % 2 * 0.4);  // faster than pages come
     EXPECT_TRUE((*streamer)->advance(std::span(&view, 1), frame / 30.0).ok());
-    for (const std::uint32_t node : (*streamer)->cover()) {
+    for (const std::uint32_t node : (*streamer)->rendered_cut()) {
       const std::vector<std::uint32_t> page = test::page_of(world(), node);
       const auto held = sink.words().subspan((*streamer)->page_offset_words(node), page.size());
       EXPECT_TRUE(std::equal(page.begin(), page.end(), held.begin())) << node;
@@ -153,7 +153,7 @@ TEST_F(HttpSource, readings_are_taken_given_up_and_cancelled_by_many_threads) {
       std::mt19937 random(t);
       for (int i = 0; i < 40; ++i) {
         const NodeRecord& node = world().index.nodes[random() % world().index.nodes.size()];
-        const std::unique_ptr<Reading> reading = source->begin(page_files(node));
+        const std::unique_ptr<AsyncRead> reading = source->begin(page_files(node));
         const unsigned fate = random() % 4;
         if (fate == 0) continue;
         std::thread canceller;

@@ -58,15 +58,15 @@ TEST(LooksAtWorld, TellsWhatIsAwayBehindAndFar) {
   const Bounds b = world_bounds(world().index);
   const glm::dvec3 centre = (b.min + b.max) / 2.0;
   const double size = glm::length(b.max - b.min);
-  const auto looks = [&](const glm::dvec3& eye, const glm::dvec3& target) {
+  const auto appearances = [&](const glm::dvec3& eye, const glm::dvec3& target) {
     return looks_at_world(world().index, {0, eye, target}, 16.0 / 9).value();
   };
-  EXPECT_TRUE(looks(centre + glm::dvec3(0, -size, 0), centre));
-  EXPECT_FALSE(looks(centre + glm::dvec3(0, -size, 0), centre + glm::dvec3(0, -9 * size, 0)));
-  EXPECT_FALSE(looks(centre + glm::dvec3(0, -200 * size, 0), centre));
+  EXPECT_TRUE(appearances(centre + glm::dvec3(0, -size, 0), centre));
+  EXPECT_FALSE(appearances(centre + glm::dvec3(0, -size, 0), centre + glm::dvec3(0, -9 * size, 0)));
+  EXPECT_FALSE(appearances(centre + glm::dvec3(0, -200 * size, 0), centre));
   const glm::dvec3 inside(centre.x, centre.y, b.min.z + 1);
-  EXPECT_TRUE(looks(inside, inside + glm::dvec3(1, 0, 0)));
-  EXPECT_FALSE(looks(inside + glm::dvec3(0, 0, size), inside + glm::dvec3(0, 0, 2 * size)));
+  EXPECT_TRUE(appearances(inside, inside + glm::dvec3(1, 0, 0)));
+  EXPECT_FALSE(appearances(inside + glm::dvec3(0, 0, size), inside + glm::dvec3(0, 0, 2 * size)));
 }
 
 // Where a level's triangles come from, and that the streamer takes such a world.
@@ -86,8 +86,9 @@ TEST(LevelSource, HoldsTheWorldDownToADepth) {
     ASSERT_TRUE(streamer.ok()) << streamer.error().describe();
     const View view{{test::kTinyOrigin_m, test::kTinyOrigin_m, 10}};
     for (int i = 0; i < 4; ++i) ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), i).ok());
-    ASSERT_EQ((*streamer)->cover().size(), std::size_t{1} << (2 * depth));
-    for (const std::uint32_t node : (*streamer)->cover()) EXPECT_EQ((*streamer)->index().nodes[node].depth, depth);
+    ASSERT_EQ((*streamer)->rendered_cut().size(), std::size_t{1} << (2 * depth));
+    for (const std::uint32_t node : (*streamer)->rendered_cut())
+      EXPECT_EQ((*streamer)->index().nodes[node].depth, depth);
   }
 }
 

@@ -7,9 +7,9 @@
 #include <map>
 #include <string>
 
-#include "runtime/device/shader_code.h"
 #include "shaders/shared/frame.h"
 #include "shaders/shared/scene.h"
+#include "spirv/shader_code.h"
 
 namespace {
 
@@ -36,18 +36,20 @@ const std::map<std::string, Layout>& host_layouts() {
       {"RayTask",
        {sizeof(zc::gpu::RayTask),
         {AT(RayTask, origin_x), AT(RayTask, origin_y), AT(RayTask, origin_z), AT(RayTask, t_min), AT(RayTask, dir_x),
-         AT(RayTask, dir_y), AT(RayTask, dir_z), AT(RayTask, leaves)}}},
+         AT(RayTask, dir_y), AT(RayTask, dir_z), AT(RayTask, origin_normal)}}},
       {"HitRecord", {sizeof(zc::gpu::HitRecord), {AT(HitRecord, t), AT(HitRecord, triangle), AT(HitRecord, pixel)}}},
-      {"Retry", {sizeof(zc::gpu::Retry), {AT(Retry, first_ray), AT(Retry, mask_low), AT(Retry, mask_high)}}},
+      {"FallbackRays",
+       {sizeof(zc::gpu::FallbackRays),
+        {AT(FallbackRays, first_ray), AT(FallbackRays, mask_low), AT(FallbackRays, mask_high)}}},
       {"Counters",
        {sizeof(zc::gpu::Counters),
-        {AT(Counters, ssr_groups_x),    AT(Counters, ssr_groups_y),      AT(Counters, ssr_groups_z),
-         AT(Counters, trace_groups_x),  AT(Counters, trace_groups_y),    AT(Counters, trace_groups_z),
-         AT(Counters, pixel_count),     AT(Counters, ray_count),         AT(Counters, rays_screen),
-         AT(Counters, rays_proxy),      AT(Counters, rays_proxy_coarse), AT(Counters, rays_sky),
-         AT(Counters, rays_lost),       AT(Counters, retry_count),       AT(Counters, packet_groups_x),
-         AT(Counters, packet_groups_y), AT(Counters, packet_groups_z),   AT(Counters, retry_groups_x),
-         AT(Counters, retry_groups_y),  AT(Counters, retry_groups_z),    AT(Counters, out_of_page)}}},
+        {AT(Counters, ssr_groups_x),      AT(Counters, ssr_groups_y),      AT(Counters, ssr_groups_z),
+         AT(Counters, trace_groups_x),    AT(Counters, trace_groups_y),    AT(Counters, trace_groups_z),
+         AT(Counters, pixel_count),       AT(Counters, ray_count),         AT(Counters, rays_screen),
+         AT(Counters, rays_proxy),        AT(Counters, rays_proxy_coarse), AT(Counters, rays_sky),
+         AT(Counters, rays_lost),         AT(Counters, fallback_count),    AT(Counters, packet_groups_x),
+         AT(Counters, packet_groups_y),   AT(Counters, packet_groups_z),   AT(Counters, fallback_groups_x),
+         AT(Counters, fallback_groups_y), AT(Counters, fallback_groups_z), AT(Counters, out_of_page)}}},
       {"FrameData",
        {sizeof(zc::gpu::FrameData),
         {AT(FrameData, view_projection), AT(FrameData, eye), AT(FrameData, right), AT(FrameData, up),

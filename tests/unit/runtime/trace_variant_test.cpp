@@ -21,7 +21,7 @@ std::string choose(const TraceLimits& limits, const std::map<std::string, double
       const auto known = times_ms.find(name);
       of_these.push_back(known == times_ms.end() ? 10 : known->second);
       if (measured != nullptr) measured->push_back(name);
-      EXPECT_EQ(misfit(variant, limits), "");
+      EXPECT_EQ(unsupported_reason(variant, limits), "");
     }
     return Result<std::vector<double>>(of_these);
   });
@@ -56,21 +56,21 @@ TEST(TraceVariant, WhatDoesNotFitGivesWayToTheNearestThatDoes) {
     for (const TraceLimits limits :
          {TraceLimits{0, 0, 24}, TraceLimits{4, 1U << 14U, 24}, TraceLimits{8, 0, 1}, TraceLimits{32, 1U << 16U, 24}}) {
       const TraceVariant near = nearest_fit(variant, limits);
-      EXPECT_EQ(misfit(near, limits), "");
-      EXPECT_EQ(misfit(variant, limits).empty(), near == variant);
+      EXPECT_EQ(unsupported_reason(near, limits), "");
+      EXPECT_EQ(unsupported_reason(variant, limits).empty(), near == variant);
       EXPECT_EQ(near.pool_path, variant.pool_path);
       EXPECT_EQ(near.width, variant.width);
     }
   }
   const TraceVariant packets{8, gpu::kPoolTexels, false, 64};
-  EXPECT_NE(misfit(packets, {7, 1U << 16U, 1}), "");
-  EXPECT_EQ(misfit(packets, {8, 0, 100}), "");  // their own stack lies in registers
+  EXPECT_NE(unsupported_reason(packets, {7, 1U << 16U, 1}), "");
+  EXPECT_EQ(unsupported_reason(packets, {8, 0, 100}), "");  // their own stack lies in registers
 }
 
 TEST(TraceVariant, SharedStacksTakeEightBytesAnEntryOfEveryInvocation) {
   const TraceVariant shared{0, gpu::kPoolTexels, true, 64};
-  EXPECT_EQ(misfit(shared, {8, 24 * 64 * 8, 24}), "");
-  EXPECT_NE(misfit(shared, {8, 24 * 64 * 8 - 1, 24}), "");
+  EXPECT_EQ(unsupported_reason(shared, {8, 24 * 64 * 8, 24}), "");
+  EXPECT_NE(unsupported_reason(shared, {8, 24 * 64 * 8 - 1, 24}), "");
 }
 
 TEST(TraceVariant, TheFastestOfEachStepIsChosen) {

@@ -53,27 +53,27 @@ TEST(LatencySamples, percentiles_are_at_most_a_32nd_too_large_whatever_the_scale
   EXPECT_EQ(LatencySamples().summary().p99_ms, 0.0);
 }
 
-TEST(Teleports, are_jumps_not_speed_and_last_until_everything_is_there) {
-  Teleports teleports;
+TEST(CameraCuts, are_jumps_not_speed_and_last_until_everything_is_there) {
+  CameraCuts camera_cuts;
   const auto frame = [&](std::vector<View> views, double time_s, bool there) {
-    teleports.begin_frame(views, time_s);
-    teleports.end_frame(there);
+    camera_cuts.begin_frame(views, time_s);
+    camera_cuts.end_frame(there);
   };
   frame({at(0, 0), at(900, 0, 1), at(0, 500)}, 0, false);  // two cameras
   frame({at(90, 0), at(0, 500)}, 0.03, false);             // 3,000 m/s, but no 100 m
   frame({at(590, 0), at(0, 500)}, 5, false);               // 500 m, but in five seconds
-  EXPECT_EQ(teleports.statistics().count, 0U);
+  EXPECT_EQ(camera_cuts.statistics().count, 0U);
   frame({at(590, 0), at(300, 500)}, 5.1, false);  // the second jumps
   frame({at(590, 0), at(300, 500)}, 5.3, true);
   frame({at(590, 0), at(300, 500)}, 5.4, true);
   frame({at(0, 0), at(300, 500)}, 5.5, false);
-  TeleportStatistics s = teleports.statistics();
+  CameraCutStatistics s = camera_cuts.statistics();
   EXPECT_EQ(s.count, 2U);
   EXPECT_EQ(s.unfinished, 1U);
   EXPECT_EQ(s.to_target_ms.samples, 1U);
   EXPECT_NEAR(s.to_target_ms.max_ms, 200, 1e-6);
   frame({at(590, 0), at(300, 500)}, 5.6, true);  // before the last one was done; there at once
-  s = teleports.statistics();
+  s = camera_cuts.statistics();
   EXPECT_EQ(s.count, 3U);
   EXPECT_EQ(s.unfinished, 1U);
   EXPECT_NEAR(s.to_target_ms.p50_ms, 0, 1e-3);
@@ -212,7 +212,7 @@ TEST(PagingStatistics, thrash_is_a_reload_soon_after_the_eviction) {
   const std::uint64_t soon = (*streamer)->statistics().reloads - s.reloads;
   EXPECT_GT((*streamer)->statistics().thrash, 0U);
   EXPECT_LE((*streamer)->statistics().thrash, soon);
-  EXPECT_EQ((*streamer)->statistics().teleports.count, 11U);
+  EXPECT_EQ((*streamer)->statistics().camera_cuts.count, 11U);
 }
 
 class Recorder final : public PagingObserver {
@@ -249,7 +249,7 @@ TEST(PagingObserver, sees_every_state_of_every_page_in_order) {
   EXPECT_EQ(s.state_ms[static_cast<std::size_t>(LoadState::kRetiring)].samples, 0U);
 }
 
-// Cameras, teleports, reversals: one budget.
+// Cameras, camera_cuts, reversals: one budget.
 TEST(Cameras, share_one_budget_and_each_gets_what_it_asks_for) {
   const double size = test::tiny_world_size_m({.levels = 4});
   const auto wanted_of = [&](std::span<const View> views, std::uint64_t cap) {
@@ -262,7 +262,7 @@ TEST(Cameras, share_one_budget_and_each_gets_what_it_asks_for) {
     EXPECT_TRUE((*streamer)->advance(views, 0).ok());
     EXPECT_EQ((*streamer)->statistics().frame.missing_nodes, 0U);
     EXPECT_LE((*streamer)->statistics().ledger.peak_bytes, cap);
-    std::vector<std::uint32_t> there((*streamer)->cover().begin(), (*streamer)->cover().end());
+    std::vector<std::uint32_t> there((*streamer)->rendered_cut().begin(), (*streamer)->rendered_cut().end());
     return there;
   };
   const std::vector<View> both = {at(30, 30), at(size - 30, size - 30)};
@@ -301,7 +301,7 @@ TEST(Cameras, teleports_and_reversals_of_two_cameras_stay_under_the_cap_and_repe
     double step = 3;
     for (int f = 0; f < 600; ++f) {
       if (f % 50 == 49) step = -step;                                        // a reversal
-      if (f % 120 == 119) along += along > size / 2 ? -size / 2 : size / 2;  // a teleport
+      if (f % 120 == 119) along += along > size / 2 ? -size / 2 : size / 2;  // a camera cut
       along += step;
       const std::vector<View> views = {at(along, 200), at(along + 8 * step, 200, 1), at(200, size - along),
                                        at(200, size - along - 8 * step, 1)};
@@ -310,8 +310,8 @@ TEST(Cameras, teleports_and_reversals_of_two_cameras_stay_under_the_cap_and_repe
     const StreamerStatistics s = (*streamer)->statistics();
     EXPECT_EQ(s.frames_over_cap, 0U);
     EXPECT_LE(s.ledger.peak_bytes, options.cap_bytes);
-    EXPECT_EQ(s.teleports.count, 5U);
-    EXPECT_GT(s.teleports.to_target_ms.samples + s.teleports.unfinished, 0U);
+    EXPECT_EQ(s.camera_cuts.count, 5U);
+    EXPECT_GT(s.camera_cuts.to_target_ms.samples + s.camera_cuts.unfinished, 0U);
     EXPECT_GT(s.requests.cancelled, 0U);
     EXPECT_EQ(s.requests.issued, s.requests.completed + s.requests.cancelled + s.requests.failed + s.frame.in_flight);
     if (log.empty()) log = s.event_log_xxh3;

@@ -145,10 +145,10 @@ void check_selected(const WorldIndex& index, const Selection& selection, std::ui
   }
 }
 
-Cover everything(const WorldIndex& index) {
-  Cover cover(index);
-  for (std::uint32_t n = 0; n < index.nodes.size(); ++n) cover.add(n);
-  return cover;
+RenderedCut everything(const WorldIndex& index) {
+  RenderedCut cut(index);
+  for (std::uint32_t n = 0; n < index.nodes.size(); ++n) cut.add(n);
+  return cut;
 }
 
 std::vector<View> random_views(std::mt19937& random) {
@@ -183,10 +183,9 @@ TEST(SelectionOptimality, no_cut_within_the_budget_has_a_smaller_largest_error) 
     for (int i = 0; i < 400; ++i) {
       const auto [index, budget] = random_case(random);
       const std::vector<View> views = random_views(random);
-      const Cover cover = everything(index);
+      const RenderedCut cut = everything(index);
       Selection selection;
-      select_nodes(index,
-                   {.views = views, .cover = covered ? &cover : nullptr, .budget_bytes = budget, .tolerance = 1e-12},
+      select_nodes(index, {.views = views, .cut = covered ? &cut : nullptr, .budget_bytes = budget, .tolerance = 1e-12},
                    selection);
       check_selected(index, selection, budget, covered);
 
@@ -214,7 +213,7 @@ TEST(SelectionOptimality, with_a_past_no_cut_beats_it_by_more_than_the_dead_band
     std::mt19937 random(12);
     for (int i = 0; i < 400; ++i) {
       const auto [index, budget] = random_case(random);
-      const Cover cover = everything(index);
+      const RenderedCut cut = everything(index);
       std::vector<std::uint8_t> previous(index.nodes.size());
       std::vector<std::uint32_t> marked;
       Selection selection;
@@ -224,7 +223,7 @@ TEST(SelectionOptimality, with_a_past_no_cut_beats_it_by_more_than_the_dead_band
         select_nodes(index,
                      {.views = views,
                       .previous = previous,
-                      .cover = covered ? &cover : nullptr,
+                      .cut = covered ? &cut : nullptr,
                       .budget_bytes = budget,
                       .tolerance = 1e-12},
                      selection);

@@ -44,13 +44,13 @@ struct Chooser {
   explicit Chooser(const WorldIndex& world) : index(world), previous(world.nodes.size()) {}
 
   const Selection& run(std::span<const View> views, std::uint64_t budget) {
-    select_nodes(index, {.views = views, .previous = previous, .cover = cover, .budget_bytes = budget}, selection);
+    select_nodes(index, {.views = views, .previous = previous, .cut = cut, .budget_bytes = budget}, selection);
     mark_selection(selection, previous, marked);
     return selection;
   }
 
   const WorldIndex& index;
-  const Cover* cover = nullptr;
+  const RenderedCut* cut = nullptr;
   std::vector<std::uint8_t> previous;
   std::vector<std::uint32_t> marked;
   Selection selection;
@@ -117,9 +117,9 @@ TEST(Selection, with_budget_enough_holds_every_wanted_node) {
   const WorldIndex index = make_index(5, 5);
   Chooser chooser(index);
   const View view{{300, 300, 2}};
-  Cover cover(index);
-  for (const std::uint32_t n : chooser.run(std::span(&view, 1), 1ULL << 40U).nodes) cover.add(n);
-  const WantedCount wanted = count_wanted(index, std::span(&view, 1), 0.002, false, cover);
+  RenderedCut cut(index);
+  for (const std::uint32_t n : chooser.run(std::span(&view, 1), 1ULL << 40U).nodes) cut.add(n);
+  const WantedCount wanted = count_wanted(index, std::span(&view, 1), 0.002, false, cut);
   EXPECT_GT(wanted.nodes, 4U);
   EXPECT_EQ(wanted.missing, 0U);
 }
@@ -132,9 +132,9 @@ TEST(Selection, detail_is_selected_and_wanted_only_when_asked_for) {
   index.nodes[0].first_child = 1;
   index.nodes[0].child_count = 1;
   const View view{{500, 500, 2}};
-  Cover zone(index);
+  RenderedCut zone(index);
   zone.add(0);
-  Cover both(index);
+  RenderedCut both(index);
   both.add(0);
   both.add(1);
   Selection selection;
@@ -148,58 +148,58 @@ TEST(Selection, detail_is_selected_and_wanted_only_when_asked_for) {
   EXPECT_EQ(count_wanted(index, std::span(&view, 1), 0.002, true, both).missing, 0U);
 }
 
-std::vector<std::uint32_t> collected(const Cover& cover) {
-  std::vector<std::uint32_t> cut;
-  cover.collect(cut);
-  return cut;
+std::vector<std::uint32_t> collected(const RenderedCut& cut) {
+  std::vector<std::uint32_t> shown;
+  cut.collect(shown);
+  return shown;
 }
 
-TEST(Cover, covers_every_leaf_exactly_once_with_the_deepest_resident_nodes_after_any_changes) {
+TEST(RenderedCut, covers_every_leaf_exactly_once_with_the_deepest_resident_nodes_after_any_changes) {
   const WorldIndex index = make_index(5, 1);
   std::mt19937 random(6);
-  Cover cover(index);
-  cover.add(0);
+  RenderedCut cut(index);
+  cut.add(0);
   for (int i = 0; i < 300; ++i) {
     const std::uint32_t share = static_cast<std::uint32_t>(random() % 10);
     for (std::uint32_t n = 1; n < index.nodes.size(); ++n) {
       const bool there = random() % 10 < share;
-      if (there == cover.resident(n)) continue;
+      if (there == cut.resident(n)) continue;
       if (there)
-        cover.add(n);
+        cut.add(n);
       else
-        cover.remove(n);
+        cut.remove(n);
     }
-    const std::vector<std::uint32_t> cut = collected(cover);
+    const std::vector<std::uint32_t> shown = collected(cut);
     std::vector<bool> covered(index.nodes.size());
     for (std::uint32_t n = static_cast<std::uint32_t>(index.nodes.size()); n-- > 0;) {
       const NodeRecord& node = index.nodes[n];
       bool below = node.child_count > 0;
       for (std::uint32_t c = node.first_child; c < node.first_child + node.child_count; ++c)
         below = below && covered[c];
-      covered[n] = below || cover.resident(n);
+      covered[n] = below || cut.resident(n);
       if (below) {
-        EXPECT_FALSE(std::binary_search(cut.begin(), cut.end(), n));
+        EXPECT_FALSE(std::binary_search(shown.begin(), shown.end(), n));
       }
     }
-    for (const std::uint32_t n : cut) EXPECT_TRUE(cover.resident(n));
+    for (const std::uint32_t n : shown) EXPECT_TRUE(cut.resident(n));
     for (std::uint32_t n = 0; n < index.nodes.size(); ++n) {
       if (index.nodes[n].child_count > 0) continue;
       int times = 0;
       for (std::int32_t a = static_cast<std::int32_t>(n); a >= 0; a = index.nodes[static_cast<std::size_t>(a)].parent)
-        times += std::binary_search(cut.begin(), cut.end(), static_cast<std::uint32_t>(a)) ? 1 : 0;
+        times += std::binary_search(shown.begin(), shown.end(), static_cast<std::uint32_t>(a)) ? 1 : 0;
       ASSERT_EQ(times, 1);
     }
   }
 }
 
-TEST(Cover, a_broken_inner_node_does_not_hide_what_is_below_it) {
+TEST(RenderedCut, a_broken_inner_node_does_not_hide_what_is_below_it) {
   const WorldIndex index = make_index(3, 1);
-  Cover cover(index);
+  RenderedCut cut(index);
   for (std::uint32_t n = 0; n < index.nodes.size(); ++n)
-    if (n != 1) cover.add(n);
-  EXPECT_EQ(collected(cover).size(), 16U);
-  cover.remove(index.nodes[1].first_child);
-  EXPECT_EQ(collected(cover), (std::vector<std::uint32_t>{0}));
+    if (n != 1) cut.add(n);
+  EXPECT_EQ(collected(cut).size(), 16U);
+  cut.remove(index.nodes[1].first_child);
+  EXPECT_EQ(collected(cut), (std::vector<std::uint32_t>{0}));
 }
 
 }  // namespace

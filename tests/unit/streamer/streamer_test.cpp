@@ -66,11 +66,11 @@ StreamerOptions options_for(std::uint64_t cap) {
           .max_in_flight = 6};
 }
 
-// Every page of the cover lies where the streamer says, whole, and the cover covers each leaf once.
-void check_cover(const Streamer& streamer, const HeapPageSink& sink) {
+// Every page of the rendered cut lies where the streamer says, whole, and the rendered cut covers each leaf once.
+void check_cut(const Streamer& streamer, const HeapPageSink& sink) {
   const WorldIndex& index = streamer.index();
   std::vector<int> times(index.nodes.size());
-  for (const std::uint32_t n : streamer.cover()) {
+  for (const std::uint32_t n : streamer.rendered_cut()) {
     ASSERT_TRUE(streamer.resident(n));
     const std::vector<std::uint32_t> page = test::page_of(world(), n);
     const auto held = sink.words().subspan(streamer.page_offset_words(n), page.size());
@@ -126,13 +126,13 @@ TEST(Streamer, never_exceeds_its_cap_and_always_covers_the_world) {
     ASSERT_TRUE(drive(**streamer, [&](int f) {
                   const StreamerStatistics s = (*streamer)->statistics();
                   ASSERT_LE(s.frame.ledger_bytes, options.cap_bytes);
-                  if (f % 10 == 0) check_cover(**streamer, sink);
+                  if (f % 10 == 0) check_cut(**streamer, sink);
                 }).ok());
     // To and fro, faster than pages come.
     for (int f = 0; f < 40; ++f) {
       const View view = view_at(f % 2 == 0 ? 0.1 : 0.6);
       ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), (kFrames + f) / 30.0).ok());
-      check_cover(**streamer, sink);
+      check_cut(**streamer, sink);
     }
     const StreamerStatistics s = (*streamer)->statistics();
     EXPECT_LE(s.ledger.peak_bytes, options.cap_bytes);
@@ -214,11 +214,11 @@ TEST(Streamer, latency_and_bandwidth_are_those_of_the_model) {
   ASSERT_TRUE(streamer.ok());
   const View view = view_at(0);
   ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), 0.0).ok());
-  EXPECT_EQ((*streamer)->cover().size(), 1U);
+  EXPECT_EQ((*streamer)->rendered_cut().size(), 1U);
   ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), 0.099).ok());
-  EXPECT_EQ((*streamer)->cover().size(), 1U);
+  EXPECT_EQ((*streamer)->rendered_cut().size(), 1U);
   ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), 0.1).ok());
-  EXPECT_GT((*streamer)->cover().size(), 1U);
+  EXPECT_GT((*streamer)->rendered_cut().size(), 1U);
   EXPECT_NEAR((*streamer)->statistics().request_to_resident_ms.p50_ms, 100, 1e-3);
 }
 
@@ -232,10 +232,10 @@ TEST(Streamer, at_a_fixed_camera_settles_and_then_does_nothing) {
     const View view = view_at(0.3);
     for (int f = 0; f < 200; ++f) ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), 8 + f / 30.0).ok());
     const std::string log = (*streamer)->statistics().event_log_xxh3;
-    const std::uint64_t generation = (*streamer)->cover_generation();
+    const std::uint64_t generation = (*streamer)->rendered_cut_generation();
     for (int f = 200; f < 400; ++f) ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), 8 + f / 30.0).ok());
     EXPECT_EQ((*streamer)->statistics().event_log_xxh3, log) << share;
-    EXPECT_EQ((*streamer)->cover_generation(), generation) << share;
+    EXPECT_EQ((*streamer)->rendered_cut_generation(), generation) << share;
   }
 }
 
@@ -250,7 +250,7 @@ TEST(Streamer, under_pressure_the_pool_holds_what_is_shown) {
     ASSERT_TRUE(streamer.ok());
     const View view = view_at(0.3);
     for (int f = 0; f < 200; ++f) ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), f / 30.0).ok());
-    check_cover(**streamer, sink);
+    check_cut(**streamer, sink);
     const StreamerStatistics s = (*streamer)->statistics();
     std::uint64_t above = 0;  // what is missing above the pages shown
     for (std::uint32_t n = 0; n < world().index.nodes.size(); ++n) {
@@ -284,7 +284,7 @@ TEST(Streamer, a_damaged_or_vanished_page_is_covered_by_its_ancestor_and_retried
     ASSERT_TRUE(streamer.ok());
     ASSERT_TRUE(drive(**streamer, [&](int f) {
                   ASSERT_FALSE((*streamer)->resident(broken));
-                  if (f % 40 == 0) check_cover(**streamer, sink);
+                  if (f % 40 == 0) check_cut(**streamer, sink);
                 }).ok());
     StreamerStatistics s = (*streamer)->statistics();
     EXPECT_GE(s.requests.failed, 3U);
@@ -325,7 +325,7 @@ TEST(Streamer, on_a_wall_clock_settling_waits_for_every_selected_node) {
   auto streamer = Streamer::open(source, options, sink);
   ASSERT_TRUE(streamer.ok());
   ASSERT_TRUE(drive(**streamer, [&](int f) {
-                if (f % 40 == 0) check_cover(**streamer, sink);
+                if (f % 40 == 0) check_cut(**streamer, sink);
               }).ok());
   const StreamerStatistics s = (*streamer)->statistics();
   EXPECT_EQ(s.wanted_level_frames, s.frames);
@@ -341,7 +341,7 @@ TEST(Streamer, on_a_wall_clock_stays_under_its_cap_while_it_cancels) {
   ASSERT_TRUE(streamer.ok());
   for (int round = 0; round < 5; ++round)
     ASSERT_TRUE(drive(**streamer, [&](int f) {
-                  if (f % 40 == 0) check_cover(**streamer, sink);
+                  if (f % 40 == 0) check_cut(**streamer, sink);
                 }).ok());
   EXPECT_EQ((*streamer)->statistics().frames_over_cap, 0U);
   EXPECT_LE((*streamer)->statistics().ledger.peak_bytes, options.cap_bytes);
@@ -367,8 +367,9 @@ TEST(Streamer, pages_from_a_directory_and_detail_on_demand) {
     ASSERT_TRUE(streamer.ok()) << streamer.error().describe();
     const View view{{1010, 1010, 2}};
     ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), 0).ok());
-    EXPECT_EQ((*streamer)->cover().size(), 4U);
-    for (const std::uint32_t n : (*streamer)->cover()) EXPECT_EQ((*streamer)->index().nodes[n].is_detail(), detail);
+    EXPECT_EQ((*streamer)->rendered_cut().size(), 4U);
+    for (const std::uint32_t n : (*streamer)->rendered_cut())
+      EXPECT_EQ((*streamer)->index().nodes[n].is_detail(), detail);
   }
   std::filesystem::remove_all(dir);
   EXPECT_FALSE(open_directory_source(dir).ok());

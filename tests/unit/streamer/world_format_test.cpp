@@ -47,7 +47,7 @@ void use_index(const WorldIndex& index) {
                {.views = views, .limits = {.include_detail = true}, .budget_bytes = 1ULL << 40U, .tolerance = 1e-9},
                selection);
   EXPECT_LE(selection.nodes.size(), index.nodes.size());
-  Cover cover(index);
+  RenderedCut cover(index);
   for (const std::uint32_t n : selection.nodes) cover.add(n);
   EXPECT_LE(count_wanted(index, views, 1e-9, true, cover).missing, index.nodes.size());
   std::vector<std::uint32_t> cut;
