@@ -58,7 +58,7 @@ LIBRARIES = {
     "httplib.h": ("replay",),
     "spng.h": ("replay", "tests"),
     "gtest/": ("tests",),
-    "spirv_cross/": ("tests",),
+    "spirv_cross/": ("runtime", "tests"),
 }
 POSIX = {"fcntl.h", "malloc.h", "netdb.h", "netinet/in.h", "netinet/tcp.h", "poll.h", "pthread.h", "signal.h",
          "stdio.h", "stdlib.h", "unistd.h"}
@@ -102,9 +102,13 @@ class Build:
             elif command == "zonecast_test" and "LINKS" in words:
                 self.sources[words[0]] = [word for word in words if word.endswith(".cpp")]
                 self.links[words[0]] = set(words[words.index("LINKS") + 1 :])
-            elif command == "set" and words[0] in ("SHADERS", "SHADER_INCLUDES"):
-                names = words[1:] if words[0] == "SHADER_INCLUDES" else [f"shaders/{word}.glsl" for word in words[1:]]
-                self.shaders.update(names)
+            elif command == "set" and words[0] == "SHADER_INCLUDES":
+                self.shaders.update(words[1:])
+            elif command == "set" and words[0] == "PASSES":  # a source and a shader each
+                self.sources["passes"] = [f"runtime/passes/{word}.cpp" for word in words[1:]]
+                self.shaders.update(f"shaders/passes/{word}.comp.glsl" for word in words[1:])
+            elif command == "zonecast_shaders" and "${" not in words[0]:
+                self.shaders.update(f"shaders/{word}.glsl" for word in words[1:] if "${" not in word)
 
     def module_of(self, name):
         """The longest declared folder, or header, that a path lies in."""
@@ -151,8 +155,8 @@ def angle_fault(name, target):
 
 def quote_fault(name, target, build):
     if target.startswith("spirv/"):  # made by the build from shaders/
-        allowed = name.startswith(("runtime/", "replay/bench/engines/", "replay/bench/", "tests/"))
-        return None if allowed else "compiled shaders are the runtime's and the benchmarks'"
+        allowed = name.startswith(("runtime/", "replay/host/", "replay/bench/", "tests/"))
+        return None if allowed else "compiled shaders are the runtime's, the stand-in host's and the benchmarks'"
     if name.startswith("shaders/"):
         beside = (pathlib.PurePosixPath(name).parent / target).as_posix()
         target = next((path for path in (beside, f"shaders/{target}", target) if (SOURCES / path).is_file()), "")
@@ -291,11 +295,12 @@ class TheChecksThemselves(unittest.TestCase):
 
     def test_build_lines_are_read(self):
         build = Build("zonecast_library(a/b\n  SOURCES x.cpp  # y.cpp\n  z.cpp\n  MODULES base c/d PRIVATE e)\n"
-                      "zonecast_test(t SOURCES t.cpp\n LINKS a b)\nset(SHADERS one.comp)")
+                      "zonecast_test(t SOURCES t.cpp\n LINKS a b)\nzonecast_shaders(p ${X} one.comp)\nset(PASSES two)")
         self.assertEqual(build.modules, {"a/b": ["base", "c/d"]})
-        self.assertEqual(build.sources, {"zonecast_a_b": ["a/b/x.cpp", "a/b/z.cpp"], "t": ["t.cpp"]})
+        self.assertEqual(build.sources, {"zonecast_a_b": ["a/b/x.cpp", "a/b/z.cpp"], "t": ["t.cpp"],
+                                         "passes": ["runtime/passes/two.cpp"]})
         self.assertEqual(build.links, {"zonecast_a_b": {"e"}, "t": {"a", "b"}})
-        self.assertEqual(build.shaders, {"shaders/one.comp.glsl"})
+        self.assertEqual(build.shaders, {"shaders/one.comp.glsl", "shaders/passes/two.comp.glsl"})
 
 
 if __name__ == "__main__":

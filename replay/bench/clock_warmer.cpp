@@ -9,7 +9,7 @@
 
 #include "replay/bench/engines/gpu_engine.h"
 #include "replay/bench/engines/stopwatch.h"
-#include "spirv/shader_code.h"
+#include "spirv/bench.h"
 
 namespace zc::bench {
 namespace {

@@ -123,20 +123,19 @@ class LevelView {
     paging.settle = true;
     ZC_ASSIGN(view->streamer_, Streamer::open(source, paging, *view->sink_));
     view->table_.emplace(*view->streamer_, *view->zones_, level.tolerance);
-    RendererOptions renderer = options.renderer;
+    HostOptions renderer = options.renderer;
     renderer.reflections = ReflectionMode::kNone;
     set_sun(renderer, index, options.sun);
     renderer.page_depth = deepest_page(index);
-    renderer.max_zones = max_zones;
     ZC_ASSIGN(view->renderer_,
-              Renderer::create(device, *view->zones_, *view->zones_, material_entries(index), renderer));
+              StandInHost::create(device, *view->zones_, *view->zones_, material_entries(index), renderer));
     return view;
   }
 
   // triangles: of what was drawn, added to.
-  Result<Picture> draw(const CameraSample& sample, double time_s, const RendererOptions& options,
+  Result<Picture> draw(const CameraSample& sample, double time_s, const HostOptions& options,
                        std::uint64_t& triangles) {
-    ZC_ASSIGN(const RenderCamera camera, make_camera(streamer_->index(), sample));
+    ZC_ASSIGN(const FrameCamera camera, make_camera(streamer_->index(), sample));
     const View view{sample.eye};
     ZC_TRY(streamer_->advance(std::span(&view, 1), time_s));
     ZC_TRY(table_->update(view));
@@ -156,7 +155,7 @@ class LevelView {
   std::optional<GpuPageSink> sink_;
   std::unique_ptr<Streamer> streamer_;
   std::optional<ZoneTable> table_;
-  std::unique_ptr<Renderer> renderer_;
+  std::unique_ptr<StandInHost> renderer_;
 };
 
 std::string frame_name(const CameraSample& sample, std::uint64_t frame) {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "replay/host/stand_in_host.h"
 #include "replay/session/camera_path.h"
 #include "replay/session/units.h"
-#include "runtime/renderer.h"
 #include "streamer/source/source.h"
 
 namespace zc {
@@ -22,7 +22,7 @@ struct CompareOptions {
   CameraPath path;                   // empty: tour_of() the world
   std::optional<FrameRange> frames;  // none: eight, spread evenly over the path
   std::filesystem::path out;
-  RendererOptions renderer;
+  HostOptions renderer;
   std::optional<SunAngles> sun;
   std::vector<double> tolerances = {0.002};  // a level each, as a replay would page
   unsigned threads = 2;

@@ -9,7 +9,7 @@
 
 #include "base/result.h"
 #include "replay/files/text_file.h"
-#include "runtime/renderer.h"
+#include "replay/host/stand_in_host.h"
 #include "streamer/statistics/statistics.h"
 
 namespace zc {

@@ -26,9 +26,9 @@ Result<glm::dvec3> lattice_eye(const WorldIndex& index, const CameraSample& samp
 
 }  // namespace
 
-Result<RenderCamera> make_camera(const WorldIndex& index, const CameraSample& sample) {
+Result<FrameCamera> make_camera(const WorldIndex& index, const CameraSample& sample) {
   ZC_ASSIGN(const glm::dvec3 lattice, lattice_eye(index, sample));
-  RenderCamera camera;
+  FrameCamera camera;
   camera.step_m = index.step_m();
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<std::size_t>(axis);
@@ -64,7 +64,7 @@ std::vector<gpu::MaterialEntry> material_entries(const WorldIndex& index) {
   return entries;
 }
 
-void set_sun(RendererOptions& options, const WorldIndex& index, const std::optional<SunAngles>& asked) {
+void set_sun(HostOptions& options, const WorldIndex& index, const std::optional<SunAngles>& asked) {
   const std::optional<SunAngles> baked = SunAngles::unpack(index.header.sun);
   const SunAngles sun = asked.value_or(baked.value_or(SunAngles{145, 38}));
   options.sun_azimuth_deg = sun.azimuth_deg;
@@ -72,7 +72,7 @@ void set_sun(RendererOptions& options, const WorldIndex& index, const std::optio
   options.sun_is_baked = baked && sun.elevation_deg >= 0 && sun.pack() == index.header.sun;
 }
 
-Picture picture_of(const Renderer& renderer, const RendererOptions& options) {
+Picture picture_of(const StandInHost& renderer, const HostOptions& options) {
   Picture picture{options.width, options.height, {}};
   const auto pixels = renderer.pixels();
   picture.rgba.resize(pixels.size());

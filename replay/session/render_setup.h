@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "replay/host/stand_in_host.h"
 #include "replay/image/png_file.h"
 #include "replay/session/camera_path.h"
-#include "runtime/renderer.h"
 #include "streamer/world_format/sun_angles.h"
 #include "streamer/world_format/world_index.h"
 
@@ -15,14 +15,14 @@ namespace zc {
 
 // The camera relative to the lattice point next to its eye, so that floats near it are exact. Fails where the
 // renderer's 32-bit lattice does not reach.
-Result<RenderCamera> make_camera(const WorldIndex& index, const CameraSample& sample);
+Result<FrameCamera> make_camera(const WorldIndex& index, const CameraSample& sample);
 
 std::uint32_t deepest_page(const WorldIndex& index);
 std::vector<gpu::MaterialEntry> material_entries(const WorldIndex& index);
 // The one that is asked for, else the bake's, else 145,38.
-void set_sun(RendererOptions& options, const WorldIndex& index, const std::optional<SunAngles>& asked);
+void set_sun(HostOptions& options, const WorldIndex& index, const std::optional<SunAngles>& asked);
 
 // What the renderer drew last.
-Picture picture_of(const Renderer& renderer, const RendererOptions& options);
+Picture picture_of(const StandInHost& renderer, const HostOptions& options);
 
 }  // namespace zc

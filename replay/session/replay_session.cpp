@@ -67,7 +67,7 @@ struct Drawing {
   std::optional<GpuPageSink> proxy_sink, host_sink;
   std::unique_ptr<Streamer> host_streamer;
   std::optional<ZoneTable> proxy_table, host_table;
-  std::unique_ptr<Renderer> renderer;
+  std::unique_ptr<StandInHost> renderer;
 };
 
 class Session {
@@ -145,22 +145,22 @@ class Session {
     const std::vector<gpu::MaterialEntry> materials = material_entries(index);
     mirrors_ = std::ranges::any_of(
         index.materials, [&](const MaterialRecord& m) { return m.roughness < options_.renderer.roughness_cut; });
-    RendererOptions renderer = options_.renderer;
+    HostOptions renderer = options_.renderer;
     set_sun(renderer, index, options_.sun);
     if (options_.leave_nothing_out) renderer.sun_is_baked = false;
     sun_is_baked_ = renderer.sun_is_baked;
     renderer.page_depth = deepest_page(index);
-    renderer.max_zones = max_zones;
     if (!mirrors_ && !options_.leave_nothing_out) renderer.reflections = ReflectionMode::kNone;
+    renderer.leave_nothing_out = options_.leave_nothing_out;
     pick_kernels(renderer);
     ZC_ASSIGN(drawing_.renderer,
-              Renderer::create(*drawing_.device, *drawing_.proxies, *drawing_.host, materials, renderer));
+              StandInHost::create(*drawing_.device, *drawing_.proxies, *drawing_.host, materials, renderer));
     return {};
   }
 
   // Those to begin with; the choice is final unless there is something to measure.
-  void pick_kernels(RendererOptions& renderer) {
-    const TraceLimits limits = trace_limits(*drawing_.device, renderer);
+  void pick_kernels(HostOptions& renderer) {
+    const TraceLimits limits = trace_limits(*drawing_.device, renderer.page_depth, drawing_.proxies->top_depth_bound());
     report_.trace_variant_origin = "fixed";
     if (options_.kernel != KernelChoice::kFixed) {
       std::optional<TraceVariant> cached;
@@ -180,12 +180,11 @@ class Session {
 
   // After a frame: on its own rays and zones, which are what this device will have to trace.
   void measure_kernels(const FrameResult& frame) {
-    if (!measure_kernels_ || frame.counters.ray_count < Renderer::kRaysToChoose) return;
+    if (!measure_kernels_ || frame.counters.ray_count < TraceQueue::kRaysToChoose) return;
     measure_kernels_ = false;
     const auto started = std::chrono::steady_clock::now();
-    const bool host = options_.renderer.reflections == ReflectionMode::kFull;
     const double budget_ms = options_.kernel == KernelChoice::kAuto ? kMeasureMs : INFINITY;
-    const Result<bool> complete = drawing_.renderer->choose_trace_variant(frame.counters.ray_count, host, budget_ms);
+    const Result<bool> complete = drawing_.renderer->choose_trace_variant(frame.counters.ray_count, budget_ms);
     const auto took = std::chrono::steady_clock::now() - started;
     started_ += took;
     if (!complete) return warn(complete.error());  // a driver that refuses one kernel may still take the others
@@ -339,7 +338,7 @@ class Session {
   }
 
   Result<FrameResult> draw_camera(const CameraSample& sample, std::size_t which, std::uint64_t frame, bool sheet) {
-    ZC_ASSIGN(const RenderCamera camera, make_camera(streamer_->index(), sample));
+    ZC_ASSIGN(const FrameCamera camera, make_camera(streamer_->index(), sample));
     const View view{sample.eye};
     ZC_TRY(drawing_.host_table->update(view));
     ZC_TRY(drawing_.proxy_table->update(view));
@@ -362,7 +361,7 @@ class Session {
     return result;
   }
 
-  Status save_pictures(const CameraSample& sample, const RenderCamera& camera, const std::filesystem::path& out,
+  Status save_pictures(const CameraSample& sample, const FrameCamera& camera, const std::filesystem::path& out,
                        std::uint64_t frame, bool sheet) {
     const double aspect = static_cast<double>(options_.renderer.width) / options_.renderer.height;
 
@@ -409,11 +408,9 @@ class Session {
         report_.left_out.emplace_back("gbuffer: zones outside the view");
         if (sun_is_baked_) report_.left_out.emplace_back("shadow rays: where the bake says what the sun lights");
         report_.left_out.emplace_back("filter: every mirror is exactly specular");
-        if (!mirrors_) {
-          report_.left_out.emplace_back("hiz, ssr, trace, shade: no material of this world mirrors");
-        } else if (options_.renderer.reflections != ReflectionMode::kScreenAndProxy) {
-          report_.left_out.emplace_back("hiz, ssr: not asked for");
-        }
+        for (const LeftOutPass& left : drawing_.renderer->left_out())
+          report_.left_out.push_back(left.passes + ": " +
+                                     (mirrors_ ? left.reason : "no material of this world mirrors"));
       }
     } else {
       report_.left_out.emplace_back("render: not asked for");

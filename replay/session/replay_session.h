@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "replay/host/stand_in_host.h"
 #include "replay/session/camera_path.h"
 #include "replay/session/units.h"
-#include "runtime/renderer.h"
 #include "streamer/streamer.h"
 
 namespace zc {
@@ -49,7 +49,7 @@ struct ReplayOptions {
   bool contact_sheet = false;
   std::string device;
   bool validation = false;
-  RendererOptions renderer;
+  HostOptions renderer;
   std::optional<SunAngles> sun;  // none: the bake's, where it had one
   KernelChoice kernel = KernelChoice::kFixed;
   std::filesystem::path variant_cache;  // a file; empty: nothing is read or kept
@@ -83,8 +83,5 @@ struct ReplayReport {
 };
 
 Result<ReplayReport> run_replay(const ReplayOptions& options);
-
-inline constexpr std::array<const char*, kPassCount> kPassNames = {
-    "gbuffer", "hiz", "classify", "ssr", "compact", "trace", "shade", "filter", "composite"};
 
 }  // namespace zc

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "runtime/trace_variant.h"
+#include "runtime/tracing/trace_variant.h"
 
 namespace zc {
 

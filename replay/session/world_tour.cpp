@@ -129,7 +129,7 @@ Result<CameraPath> tour_of(Source& source, const WorldIndex& index) {
 
 Result<bool> looks_at_world(const WorldIndex& index, const CameraSample& sample, double aspect) {
   constexpr double kLeastShareOfView = 0.02;
-  ZC_ASSIGN(const RenderCamera camera, make_camera(index, sample));
+  ZC_ASSIGN(const FrameCamera camera, make_camera(index, sample));
   const Bounds world = world_bounds(index);
   const double away = glm::length(glm::max(glm::max(world.min - sample.eye, sample.eye - world.max), 0.0));
   if (glm::length(world.max - world.min) < kLeastShareOfView * glm::radians(sample.fov_y_deg) * away) return false;

@@ -10,7 +10,7 @@
 
 namespace zc {
 
-bool outside_view(const RenderCamera& camera, double aspect, const NodeRecord& node) {
+bool outside_view(const FrameCamera& camera, double aspect, const NodeRecord& node) {
   const double tan_y = std::tan(glm::radians(static_cast<double>(camera.fov_y_deg)) / 2);
   const glm::dvec3 right(camera.right);
   const glm::dvec3 up(camera.up);
@@ -49,7 +49,7 @@ Status ZoneTable::update(const View& view) {
   return zones_.set_zones(entries_);
 }
 
-std::vector<ZoneDraw> ZoneTable::draws(const RenderCamera& camera, double aspect, bool cull) const {
+std::vector<ZoneDraw> ZoneTable::draws(const FrameCamera& camera, double aspect, bool cull) const {
   std::vector<ZoneDraw> draws;
   for (std::uint32_t slot = 0; slot < entries_.size(); ++slot) {
     const NodeRecord& node = streamer_.index().nodes[entries_[slot].node];

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "runtime/renderer.h"
+#include "replay/host/stand_in_host.h"
 #include "runtime/scene/zone_set.h"
 #include "streamer/streamer.h"
 
@@ -29,7 +29,7 @@ class GpuPageSink final : public PageSink {
 };
 
 // Whether the node's box lies wholly on the outer side of one of the view's five planes.
-bool outside_view(const RenderCamera& camera, double aspect, const NodeRecord& node);
+bool outside_view(const FrameCamera& camera, double aspect, const NodeRecord& node);
 
 class ZoneTable {
  public:
@@ -44,7 +44,7 @@ class ZoneTable {
   [[nodiscard]] std::span<const gpu::ZoneEntry> entries() const { return entries_; }
 
   // Zones of the rendered cut whose boxes touch the camera's view; all of them when `cull` is false.
-  [[nodiscard]] std::vector<ZoneDraw> draws(const RenderCamera& camera, double aspect, bool cull) const;
+  [[nodiscard]] std::vector<ZoneDraw> draws(const FrameCamera& camera, double aspect, bool cull) const;
 
  private:
   const Streamer& streamer_;

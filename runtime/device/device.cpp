@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/text.h"
+#include "runtime/device/pipeline_cache.h"
 
 namespace zc {
 namespace {
@@ -66,15 +67,41 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
   ZC_TRY(device->create_instance(options));
   ZC_TRY(device->pick(options));
   ZC_TRY(device->create_device(options));
+  ZC_TRY(device->create_commands());
+  ZC_TRY(device->open_cache(options.pipeline_cache));
+  return device;
+}
+
+Result<std::unique_ptr<Device>> Device::adopt(const HostDevice& host) {
+  std::unique_ptr<Device> device(new Device());
+  device->is_adopted_ = true;
+  device->physical_ = host.physical;
+  device->device_ = host.device;
+  device->queue_ = host.queue;
+  device->queue_family_ = host.queue_family;
+  vkGetPhysicalDeviceProperties(host.physical, &device->properties_);
+  ZC_TRY(device->read_properties());
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(host.physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(host.physical, &count, families.data());
+  if (host.queue_family >= count || (families[host.queue_family].queueFlags & VK_QUEUE_COMPUTE_BIT) == 0)
+    return Error{ErrorCode::kDevice,
+                 device->name_ + ": queue family " + std::to_string(host.queue_family) + " cannot compute"};
+  device->set_timestamp_bits(families[host.queue_family].timestampValidBits);
+  ZC_TRY(device->create_commands());
+  ZC_TRY(device->open_cache(host.pipeline_cache));
   return device;
 }
 
 Device::~Device() {
   if (device_ != VK_NULL_HANDLE) {
     vkDeviceWaitIdle(device_);
+    keep_pipeline_cache(device_, pipeline_cache_, pipeline_cache_file_);
+    vkDestroyPipelineCache(device_, pipeline_cache_, nullptr);
     vkDestroyFence(device_, fence_, nullptr);
     vkDestroyCommandPool(device_, pool_, nullptr);
-    vkDestroyDevice(device_, nullptr);
+    if (!is_adopted_) vkDestroyDevice(device_, nullptr);
   }
   if (messenger_ != VK_NULL_HANDLE) {
     const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
@@ -150,6 +177,12 @@ Status Device::pick(const DeviceOptions& options) {
     return Error{ErrorCode::kDevice, "no Vulkan 1.2 device" +
                                          (options.name.empty() ? "" : " whose name contains '" + options.name + "'") +
                                          " (found: " + (seen.empty() ? "none" : seen) + ")"};
+  return read_properties();
+}
+
+Status Device::read_properties() {
+  if (properties_.apiVersion < VK_API_VERSION_1_2)
+    return Error{ErrorCode::kDevice, std::string(properties_.deviceName) + " has no Vulkan 1.2"};
   VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
   VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
   driver.pNext = &subgroup;
@@ -162,6 +195,28 @@ Status Device::pick(const DeviceOptions& options) {
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   name_ = properties_.deviceName;
   driver_ = std::string(driver.driverName) + " " + driver.driverInfo;
+  return check_limits();
+}
+
+// What no shader says of itself; programs check the rest as they are made.
+Status Device::check_limits() const {
+  struct Need {
+    const char* limit;
+    std::uint32_t needs, offers;
+  };
+  const VkPhysicalDeviceLimits& l = properties_.limits;
+  const std::array needs = {
+      Need{"maxStorageBufferRange", 1U << 27U, l.maxStorageBufferRange},
+      Need{"maxTexelBufferElements", 1U << 16U, l.maxTexelBufferElements},
+      Need{"maxComputeWorkGroupCount[0]", 65'535, l.maxComputeWorkGroupCount[0]},
+      Need{"maxComputeWorkGroupCount[1]", 65'535, l.maxComputeWorkGroupCount[1]},
+      Need{"maxComputeWorkGroupInvocations", 64, l.maxComputeWorkGroupInvocations},
+      Need{"maxComputeSharedMemorySize", 16'384, l.maxComputeSharedMemorySize},
+  };
+  for (const Need& need : needs)
+    if (need.offers < need.needs)
+      return Error{ErrorCode::kDevice, name_ + " offers a " + need.limit + " of " + std::to_string(need.offers) +
+                                           ", and at least " + std::to_string(need.needs) + " is needed"};
   return {};
 }
 
@@ -174,8 +229,7 @@ Status Device::create_device(const DeviceOptions& options) {
   const auto family = std::ranges::find_if(families, [](const auto& f) { return (f.queueFlags & needed) == needed; });
   if (family == families.end()) return Error{ErrorCode::kDevice, name_ + " has no queue for both graphics and compute"};
   queue_family_ = static_cast<std::uint32_t>(family - families.begin());
-  const std::uint32_t bits = family->timestampValidBits;
-  timestamp_mask_ = bits >= 64 ? UINT64_MAX : (std::uint64_t{1} << bits) - 1;
+  set_timestamp_bits(family->timestampValidBits);
 
   const float priority = 1.0F;
   VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
@@ -232,7 +286,14 @@ Status Device::create_device(const DeviceOptions& options) {
   info.ppEnabledExtensionNames = extensions.data();
   ZC_VK(vkCreateDevice(physical_, &info, nullptr, &device_));
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+  return {};
+}
 
+void Device::set_timestamp_bits(std::uint32_t bits) {
+  timestamp_mask_ = bits >= 64 ? UINT64_MAX : (std::uint64_t{1} << bits) - 1;
+}
+
+Status Device::create_commands() {
   VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
   pool.queueFamilyIndex = queue_family_;
@@ -244,6 +305,12 @@ Status Device::create_device(const DeviceOptions& options) {
   ZC_VK(vkAllocateCommandBuffers(device_, &allocate, &commands_));
   const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   return vk_status(vkCreateFence(device_, &fence, nullptr, &fence_), "vkCreateFence");
+}
+
+Status Device::open_cache(const std::filesystem::path& file) {
+  pipeline_cache_file_ = file;
+  ZC_ASSIGN(pipeline_cache_, open_pipeline_cache(device_, file));
+  return {};
 }
 
 Status Device::run(const std::function<void(VkCommandBuffer)>& record) {

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// One Vulkan device with one queue for graphics, compute and transfer. Needs Vulkan 1.2; what else it can turn on is
-// asked for by a flag and may stay off.
-// Owns: instance, device, command pool. Threads: one at a time. Fails when no device fits or the driver refuses.
+// One Vulkan device with one queue for graphics, compute and transfer: created here, or a host's own. Needs Vulkan 1.2;
+// what else it can turn on is asked for by a flag and may stay off.
+// Owns: a command pool and a pipeline cache; instance and device where it created them. Threads: one at a time.
+// Fails when no device fits, lacks a limit (which it names), or the driver refuses.
 #pragma once
 
 #include <vulkan/vulkan.h>
 
+#include <atomic>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -20,6 +23,16 @@ struct DeviceOptions {
   bool validation = false;      // Khronos and synchronisation validation, and robust buffer access where it is offered
   bool ray_query = false;       // VK_KHR_ray_query and what it needs, where the device offers it
   bool subgroup_sizes = false;  // VK_EXT_subgroup_size_control, where the device offers it
+  std::filesystem::path pipeline_cache = {};  // file that compiled pipelines are kept in; empty: none
+};
+
+// What a host hands over; all of it outlives the Device made from it. apiVersion 1.2 or above must be enabled.
+struct HostDevice {
+  VkPhysicalDevice physical = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+  std::uint32_t queue_family = 0;  // with compute and transfer
+  VkQueue queue = VK_NULL_HANDLE;  // for Device::run alone, which no recording calls
+  std::filesystem::path pipeline_cache = {};
 };
 
 // OK, or a kDevice error naming the call.
@@ -28,6 +41,7 @@ Status vk_status(VkResult result, const char* call);
 class Device {
  public:
   static Result<std::unique_ptr<Device>> create(const DeviceOptions& options);
+  static Result<std::unique_ptr<Device>> adopt(const HostDevice& host);
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
   ~Device();
@@ -53,6 +67,13 @@ class Device {
   // Warnings and errors of the validation layers so far; 0 when they are off.
   [[nodiscard]] std::uint64_t validation_messages() const { return validation_messages_; }
 
+  [[nodiscard]] VkPipelineCache pipeline_cache() const { return pipeline_cache_; }
+  // Of all Buffers and Images that were created on it, as the driver was asked for them.
+  [[nodiscard]] std::uint64_t allocated_bytes() const { return allocated_bytes_; }
+  void count_allocation(std::int64_t bytes) const {  // by Buffer and Image: logically const, they see it so
+    allocated_bytes_ += static_cast<std::uint64_t>(bytes);
+  }
+
   // Records commands, submits them and waits until they are done.
   Status run(const std::function<void(VkCommandBuffer)>& record);
 
@@ -68,6 +89,11 @@ class Device {
   Status create_instance(const DeviceOptions& options);
   Status pick(const DeviceOptions& options);
   Status create_device(const DeviceOptions& options);
+  Status read_properties();
+  Status check_limits() const;
+  Status create_commands();
+  void set_timestamp_bits(std::uint32_t bits);
+  Status open_cache(const std::filesystem::path& file);
   static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                                    VkDebugUtilsMessageTypeFlagsEXT type,
                                                    const VkDebugUtilsMessengerCallbackDataEXT* data, void* self);
@@ -76,12 +102,16 @@ class Device {
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   VkDevice device_ = VK_NULL_HANDLE;
+  bool is_adopted_ = false;
   VkQueue queue_ = VK_NULL_HANDLE;
   std::uint32_t queue_family_ = 0;
   std::uint64_t timestamp_mask_ = 0;
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
+  VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
+  std::filesystem::path pipeline_cache_file_;
+  mutable std::atomic<std::uint64_t> allocated_bytes_ = 0;
   VkPhysicalDeviceProperties properties_ = {};
   VkPhysicalDeviceMemoryProperties memory_ = {};
   std::uint32_t subgroup_size_ = 0;

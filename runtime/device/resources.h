@@ -40,6 +40,7 @@ class Buffer {
   VkBuffer buffer_ = VK_NULL_HANDLE;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
   VkDeviceSize bytes_ = 0;
+  VkDeviceSize allocated_bytes_ = 0;
   std::byte* mapped_ = nullptr;
 };
 
@@ -89,6 +90,7 @@ class Image {
   VkImage image_ = VK_NULL_HANDLE;
   VkImageView view_ = VK_NULL_HANDLE;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  VkDeviceSize allocated_bytes_ = 0;
 };
 
 }  // namespace zc

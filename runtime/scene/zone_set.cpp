@@ -30,6 +30,7 @@ void copy(VkCommandBuffer commands, const Buffer& from, VkDeviceSize from_bytes,
 }  // namespace
 
 Status ZoneSet::create(std::uint64_t capacity_words, std::uint32_t max_zones) {
+  max_zones_ = max_zones;
   const VkPhysicalDeviceLimits& limits = device_.limits();
   const std::uint64_t pages_words =
       (capacity_words + gpu::kPageAlignWords - 1) / gpu::kPageAlignWords * gpu::kPageAlignWords;

@@ -38,6 +38,8 @@ class ZoneSet {
   // Triangle positions in the page of the zone in a slot.
   [[nodiscard]] std::uint32_t triangle_count(std::uint32_t slot) const { return triangle_counts_.at(slot); }
   [[nodiscard]] std::uint32_t top_depth() const { return top_.depth(); }
+  // Nodes on the longest path of any top level over as many pages as were planned for.
+  [[nodiscard]] std::uint32_t top_depth_bound() const { return top_level_depth_bound(max_zones_); }
   // The top level's root, in words of the pool.
   [[nodiscard]] std::uint32_t root_word() const { return root_word_; }
   // The first word behind the top level.
@@ -66,6 +68,7 @@ class ZoneSet {
   std::uint32_t root_word_ = 0;
   std::uint32_t end_word_ = 0;
   std::uint32_t zone_count_ = 0;
+  std::uint32_t max_zones_ = 1;
 };
 
 }  // namespace zc

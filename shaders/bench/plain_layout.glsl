@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pages' trees without compression, for the traversals to be measured over (see page_layout.glsl): exact boxes in
-// floats and triangles of three corners in twelve words. The pool is the proxies'; replay/bench/plain_layout.h writes
+// floats and triangles of three corners in twelve words. replay/bench/plain_layout.h writes
 // it, root first, relative to the camera's lattice point.
 
 #define PAGE_NAME(x) plain_##x
@@ -10,7 +10,7 @@
 const float kFarPad = 1.0000005;
 
 uvec4 plain_load4(uint word) {
-  return kPoolPath == kPoolTexels ? texelFetch(proxy_texels4, int(word >> 2)) : proxy_pool4[word >> 2];
+  return kPoolPath == kPoolTexels ? texelFetch(pool_texels4, int(word >> 2)) : pool4[word >> 2];
 }
 
 struct plain_Cluster {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closest or any hits of the queued rays in packets, against the proxies or the host's full detail; see
-// traverse_packet.glsl.
+// Closest or any hits of the queued rays in packets; see traverse_packet.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"
@@ -8,15 +7,9 @@
 #include "packets/lane_group.glsl"
 #include "packets/frustum.glsl"
 #include "traverse/ray_queue.glsl"
-layout(constant_id = 2) const uint kTraceHost = 0u;
 const uint kStackPairs = (uint(kStackSize) + kLaneGroup - 1u) / kLaneGroup;  // of registers a lane
 
-#include "page/full_detail_set.glsl"
-#include "page/page_layout.glsl"
-#include "page/page_layout_group.glsl"
-#include "packets/traverse_packet.glsl"
-#include "page/end_set.glsl"
-#include "page/proxy_set.glsl"
+#include "page/zone_set.glsl"
 #include "page/page_layout.glsl"
 #include "page/page_layout_group.glsl"
 #include "packets/traverse_packet.glsl"
@@ -29,9 +22,5 @@ void main() {
   begin_group();
   const uint first_ray = packet_index() * kLaneGroup * uint(kRaysPerLane);
   if (first_ray >= counters.ray_count) return;
-  if (kTraceHost != 0u) {
-    host_trace_packet(first_ray);
-  } else {
-    proxy_trace_packet(first_ray);
-  }
+  zone_trace_packet(first_ray);
 }

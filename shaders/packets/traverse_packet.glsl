@@ -13,7 +13,7 @@
 //
 // With kAnyHit a ray that has a hit leaves the packet, and the frustum shrinks to those that are left.
 void PAGE_NAME(trace_packet)(uint first_ray) {
-  const float step_m = frame.sun_radiance.w;
+  const float step_m = frame.step_m;
   const float per_m = 1.0 / step_m;
   vec3 origin[kRaysPerLane];  // permuted by the ray's longest axis, like the scale of its shear
   vec3 scale[kRaysPerLane];
@@ -35,7 +35,7 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
     origin[r] = permute(vec3(task.origin_x, task.origin_y, task.origin_z) * per_m, shear.longest);
     scale[r] = shear.scale;
     t_min[r] = task.t_min * per_m;
-    t_max[r] = -frame.forward.w * per_m;
+    t_max[r] = -frame.ray_length_m * per_m;
     cos_theta[r] = 0.0;
     best[r] = kHitNone;
     origin_normals[r] = task.origin_normal;

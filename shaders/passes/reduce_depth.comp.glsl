@@ -10,18 +10,18 @@ layout(local_size_x = 8, local_size_y = 8) in;
 void main() {
   const uvec2 cell = gl_GlobalInvocationID.xy;
   const uint level = pass_constants.a;
-  const uvec4 to = frame.hiz_offset[level];
-  if (cell.x >= to.y || cell.y >= to.z) return;
+  const HizLevel to = frame.hiz_levels[level];
+  if (cell.x >= to.width || cell.y >= to.height) return;
   float nearest = 0.0;
   if (level == 0u) {
     nearest = texelFetch(depth_image, ivec2(cell), 0).x;
   } else {
-    const uvec4 from = frame.hiz_offset[level - 1u];
-    const uvec2 last = from.yz - 1u;
+    const HizLevel from = frame.hiz_levels[level - 1u];
+    const uvec2 last = uvec2(from.width, from.height) - 1u;
     const uvec2 low = min(cell * 2u, last);
     const uvec2 high = min(cell * 2u + 1u, last);
-    nearest = max(max(hiz[from.x + low.y * from.y + low.x], hiz[from.x + low.y * from.y + high.x]),
-                  max(hiz[from.x + high.y * from.y + low.x], hiz[from.x + high.y * from.y + high.x]));
+    nearest = max(max(hiz[from.first + low.y * from.width + low.x], hiz[from.first + low.y * from.width + high.x]),
+                  max(hiz[from.first + high.y * from.width + low.x], hiz[from.first + high.y * from.width + high.x]));
   }
-  hiz[to.x + cell.y * to.y + cell.x] = nearest;
+  hiz[to.first + cell.y * to.width + cell.x] = nearest;
 }

@@ -5,11 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"
 #include "traverse/trace.glsl"
-layout(constant_id = 2) const uint kTraceHost = 0u;
-#include "page/full_detail_set.glsl"
-#include "page/page_fetch.glsl"
-#include "page/end_set.glsl"
-#include "page/proxy_set.glsl"
+#include "page/zone_set.glsl"
 #include "page/page_fetch.glsl"
 #include "page/end_set.glsl"
 
@@ -22,12 +18,8 @@ void main() {
   const uint hit = hits[i].triangle;
   if (hit == kHitNone || hit == kHitLost) {
     hits[i].pixel = hit;
-  } else if (kTraceHost != 0u) {
-    const host_Cluster cluster = host_load_cluster(hit_cluster_word(hit));
-    hits[i].triangle = cluster.first_triangle + hit_index(hit);
-    hits[i].pixel = cluster.page_word;
   } else {
-    const proxy_Cluster cluster = proxy_load_cluster(hit_cluster_word(hit));
+    const zone_Cluster cluster = zone_load_cluster(hit_cluster_word(hit));
     hits[i].triangle = cluster.first_triangle + hit_index(hit);
     hits[i].pixel = cluster.page_word;
   }

@@ -3,11 +3,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"
-#include "shading/surface.glsl"
+#include "adapter/load_surface.glsl"
+#include "adapter/sky.glsl"
+#include "passes/count_rays.glsl"
 #include "shading/shading.glsl"
 #include "shading/baked_light.glsl"
 #include "traverse/trace.glsl"
-layout(constant_id = 2) const uint kTraceHost = 0u;
 layout(local_size_x = 64) in;
 #include "traverse/list_index.glsl"
 
@@ -18,13 +19,7 @@ struct HitSurface {
   SurfaceAttributes attributes;
 };
 
-#include "page/full_detail_set.glsl"
-#include "page/page_layout.glsl"
-#include "traverse/traverse.glsl"
-#include "page/page_appearance.glsl"
-#include "traverse/hit_surface.glsl"
-#include "page/end_set.glsl"
-#include "page/proxy_set.glsl"
+#include "page/zone_set.glsl"
 #include "page/page_layout.glsl"
 #include "traverse/traverse.glsl"
 #include "page/page_appearance.glsl"
@@ -41,39 +36,35 @@ void main() {
   uint source = kSourceSky;
   if (hit.triangle == kHitLost) {
     source = kSourceLost;
-    atomicAdd(counters.rays_lost, 1u);
+    atomicAdd(counters.rays_lost, 1u);  // never expected
   } else if (hit.triangle == kHitNone) {
-    atomicAdd(counters.rays_sky, 1u);
+    COUNT_RAYS(counters.rays_sky);
   } else {
     const vec3 position = vec3(task.origin_x, task.origin_y, task.origin_z) + direction * hit.t;
-    const ivec2 asked = ivec2(hit.pixel % frame.size.x, hit.pixel / frame.size.x);
-    const float footprint_m = pixel_footprint_m(frame.eye.w / max(texelFetch(depth_image, asked, 0).x, 1e-12) + hit.t);
-    HitSurface h;
-    if (kTraceHost != 0u)
-      h = host_hit_surface(hit.triangle, position, footprint_m);
-    else
-      h = proxy_hit_surface(hit.triangle, position, footprint_m);
+    const ivec2 asked = ivec2(hit.pixel % frame.width, hit.pixel / frame.width);
+    const float footprint_m = pixel_footprint_m(frame.near_m / max(texelFetch(depth_image, asked, 0).x, 1e-12) + hit.t);
+    const HitSurface h = zone_hit_surface(hit.triangle, position, footprint_m);
     const vec3 normal = dot(h.geometric_normal, direction) > 0.0 ? -h.geometric_normal : h.geometric_normal;
     const vec3 shading_normal = dot(h.shading_normal, direction) < 0.0 ? h.shading_normal : normal;
     float visibility = h.attributes.sun == kSunLit ? 1.0 : 0.0;
     if (h.attributes.sun == kSunUnknown && dot(normal, frame.sun_direction.xyz) > 0.0) {
       const float start_m = 2e-3 + 2e-5 * hit.t;
-      const TraceRay ray = TraceRay(position + normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w,
+      const TraceRay ray = TraceRay(position + normal * start_m, 0.0, frame.sun_direction.xyz, frame.ray_length_m,
                                     pack_normal(h.geometric_normal));
-      const uint blocker = kTraceHost != 0u ? host_trace(ray, true).triangle : proxy_trace(ray, true).triangle;
+      const uint blocker = zone_trace(ray, true).triangle;
       visibility = blocker == kHitNone ? 1.0 : 0.0;
     }
     color = shade_mirrored(h.attributes, shading_normal, direction,
                            irradiance(h.attributes, shading_normal, visibility), hit.t);
     if ((h.zone.flags & kZoneCoarse) != 0u) {
       source = kSourceProxyCoarse;
-      atomicAdd(counters.rays_proxy_coarse, 1u);
+      COUNT_RAYS(counters.rays_proxy_coarse);
     } else {
       source = kSourceProxy;
-      atomicAdd(counters.rays_proxy, 1u);
+      COUNT_RAYS(counters.rays_proxy);
     }
     source |= h.zone.node << kSourceBits;
   }
-  reflection[hit.pixel] = pack_color(color, 0.0);
+  imageStore(reflection_image, ivec2(hit.pixel % frame.width, hit.pixel / frame.width), pack_radiance(color, 1.0));
   provenance[hit.pixel] = source;
 }

@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closest or any hits of single rays, against the proxies or the host's full detail: those that packets left to
-// fallback rays, or all.
+// Closest or any hits of single rays: those that packets left to fallback rays, or all.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"
 #include "traverse/trace.glsl"
 #include "traverse/ray_queue.glsl"
 layout(local_size_x = 64, local_size_x_id = 7) in;
-layout(constant_id = 2) const uint kTraceHost = 0u;
 
-#include "page/full_detail_set.glsl"
-#include "page/page_layout.glsl"
-#include "traverse/traverse.glsl"
-#include "page/end_set.glsl"
-#include "page/proxy_set.glsl"
+#include "page/zone_set.glsl"
 #include "page/page_layout.glsl"
 #include "traverse/traverse.glsl"
 #include "page/end_set.glsl"
@@ -24,9 +18,5 @@ void main() {
   uint index;
   TraceRay ray;
   if (!take_ray(list_index(), index, ray)) return;
-  if (kTraceHost != 0u) {
-    put_hit(index, host_trace(ray, kAnyHit != 0u));
-  } else {
-    put_hit(index, proxy_trace(ray, kAnyHit != 0u));
-  }
+  put_hit(index, zone_trace(ray, kAnyHit != 0u));
 }

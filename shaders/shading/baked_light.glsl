@@ -2,7 +2,7 @@
 // What a page's TriangleLight says for the sun that shines now. Needs shading.glsl.
 
 // The bake's sun shines; see kSunUnknown.
-bool sun_is_baked() { return frame.set_ends.z != 0u; }
+bool sun_is_baked() { return frame.sun_is_baked != 0u; }
 
 // At a point with these barycentric coordinates.
 void add_baked_light(uvec2 light, vec3 barycentric, inout SurfaceAttributes attributes) {

@@ -23,34 +23,35 @@ struct mat4 {
 };
 #endif
 
-// Descriptor set 0. At most 16 storage buffers a stage: the least that drivers in use here offer.
+// Descriptor set 0: a number for each thing that shaders bind. A program's layout has those that its shaders use, at
+// most 16 storage buffers in a stage.
 ZC_CONST(uint, kBindFrame, 0u);
-ZC_CONST(uint, kBindProxyPool, 1u);
-ZC_CONST(uint, kBindProxyZones, 2u);
-ZC_CONST(uint, kBindProxyPool4, 3u);  // the same pool, four words at a time
-ZC_CONST(uint, kBindHostPool, 4u);
-ZC_CONST(uint, kBindHostZones, 5u);
-ZC_CONST(uint, kBindHostPool4, 6u);
-ZC_CONST(uint, kBindMaterials, 7u);
-ZC_CONST(uint, kBindHiz, 8u);          // float: nearest depth per cell, all levels
-ZC_CONST(uint, kBindLit, 9u);          // uvec2 a pixel: half rgb of the irradiance, or of the sky; unused
-ZC_CONST(uint, kBindReflection, 10u);  // uvec2 a pixel: half rgb, unused
-ZC_CONST(uint, kBindProvenance, 11u);  // uint a pixel
-ZC_CONST(uint, kBindPixels, 12u);      // uint: reflective pixels
-ZC_CONST(uint, kBindRays, 13u);        // RayTask
-ZC_CONST(uint, kBindHits, 14u);        // HitRecord
-ZC_CONST(uint, kBindCounters, 15u);
-ZC_CONST(uint, kBindOutput, 16u);   // uint a pixel: RGBA8 sRGB
-ZC_CONST(uint, kBindDepth, 17u);    // sampled: reversed-Z depth
-ZC_CONST(uint, kBindSurface, 18u);  // sampled: octahedral normal, base, light, sun (surface_attributes.glsl)
-// The pools once more as texel buffers of one and of four words: on some drivers a fetch is several times faster than a
-// load from a storage buffer (measured: Mesa 22.3 lavapipe, 2.4 times for a whole traversal).
-ZC_CONST(uint, kBindProxyTexels, 19u);
-ZC_CONST(uint, kBindProxyTexels4, 20u);
-ZC_CONST(uint, kBindHostTexels, 21u);
-ZC_CONST(uint, kBindHostTexels4, 22u);
-ZC_CONST(uint, kBindRayTexels4, 23u);    // the ray queue, as texels of four words
-ZC_CONST(uint, kBindFallbackRays, 24u);  // FallbackRays
+ZC_CONST(uint, kBindPool, 1u);   // the pages of the zones that are traced or drawn
+ZC_CONST(uint, kBindPool4, 2u);  // the same pool, four words at a time
+ZC_CONST(uint, kBindPoolTexels, 3u);
+ZC_CONST(uint, kBindPoolTexels4, 4u);
+ZC_CONST(uint, kBindZones, 5u);
+ZC_CONST(uint, kBindMaterials, 6u);
+ZC_CONST(uint, kBindHiz, 7u);          // float: nearest depth per cell, all levels
+ZC_CONST(uint, kBindProvenance, 8u);   // uint a pixel
+ZC_CONST(uint, kBindPixels, 9u);       // uint: reflective pixels
+ZC_CONST(uint, kBindRays, 10u);        // RayTask
+ZC_CONST(uint, kBindRayTexels4, 11u);  // the ray queue, as texels of four words
+ZC_CONST(uint, kBindHits, 12u);        // HitRecord
+ZC_CONST(uint, kBindFallbackRays, 13u);
+ZC_CONST(uint, kBindCounters, 14u);
+// What a host fills (adapter/load_surface.glsl) and what it gets.
+ZC_CONST(uint, kBindDepth, 15u);       // sampled: reversed-Z depth
+ZC_CONST(uint, kBindSurface, 16u);     // sampled: normals and material
+ZC_CONST(uint, kBindIrradiance, 17u);  // sampled: rgb of the irradiance; of the sky its radiance
+ZC_CONST(uint, kBindReflection,
+         18u);  // written: rgb of the mirrored radiance; alpha 1 where a ray was followed, else 0
+// Of the stand-in host alone.
+ZC_CONST(uint, kBindIrradianceOut, 19u);
+ZC_CONST(uint, kBindReflectionIn, 20u);
+ZC_CONST(uint, kBindOutput, 21u);  // uint a pixel: RGBA8 sRGB
+// Pools and rays as texel buffers too: on some drivers a fetch is several times faster than a load from a storage
+// buffer (measured: Mesa 22.3 lavapipe, 2.4 times for a whole traversal).
 
 ZC_CONST(uint, kHizLevels, 12u);
 
@@ -58,19 +59,39 @@ ZC_CONST(uint, kHizLevels, 12u);
 ZC_CONST(uint, kPoolTexels, 0u);
 ZC_CONST(uint, kPoolStorage, 1u);
 
+struct HizLevel {
+  uint first;  // of its floats
+  uint width;
+  uint height;
+  uint reserved;
+};
+
 struct FrameData {
-  mat4 view_projection;          // camera-relative metres -> clip, reversed Z, infinite far
-  vec4 eye;                      // metres, relative to camera_lattice; w = near plane (m)
-  vec4 right;                    // w = tan(fov_x / 2)
-  vec4 up;                       // w = tan(fov_y / 2)
-  vec4 forward;                  // w = longest ray (m)
-  vec4 sun_direction;            // towards the sun; w = roughness above which nothing reflects
-  vec4 sun_radiance;             // w = lattice step (m)
-  ivec4 camera_lattice;          // lattice position all positions are relative to
-  uvec4 size;                    // width, height, hiz levels, SSR step limit
-  uvec4 sets;                    // proxies: root node's word in the pool, zones; host: the same
-  uvec4 set_ends;                // first words behind the top levels: proxies, host; whether the sun is the bake's
-  uvec4 hiz_offset[kHizLevels];  // x = first float, y = width, z = height
+  mat4 view_projection;  // metres from camera_lattice -> clip, reversed Z, infinite far
+  vec4 eye;              // metres from camera_lattice; w of this and the next is not used
+  vec4 right;            // unit
+  vec4 up;               // unit
+  vec4 forward;          // unit
+  vec4 sun_direction;    // unit, towards the sun
+  vec4 sun_radiance;
+  ivec4 camera_lattice;  // lattice position that all positions are relative to
+  float near_m;
+  float tan_half_fov_x;
+  float tan_half_fov_y;
+  float ray_length_m;      // of the longest ray
+  float step_m;            // of the lattice
+  float roughness_cut;     // rougher surfaces do not mirror
+  uint sun_is_baked;       // 1: the sun is the one that the pages' light was baked for
+  uint screen_step_limit;  // of a ray's march through the depth buffer
+  uint width;
+  uint height;
+  uint hiz_level_count;
+  uint reserved;
+  uint root_word;  // of the top level, in the pool
+  uint zone_count;
+  uint end_word;  // the first word behind the top level
+  uint reserved1;
+  HizLevel hiz_levels[kHizLevels];
 };
 
 // Small, because a packet reads sixty-four: the pixel that a ray is for waits in its HitRecord, and all are equally
@@ -158,7 +179,7 @@ static_assert(sizeof(zc::gpu::RayTask) == 32);
 static_assert(sizeof(zc::gpu::HitRecord) == 12);
 static_assert(sizeof(zc::gpu::FallbackRays) == 12);
 static_assert(sizeof(zc::gpu::Counters) == 84);
-static_assert(sizeof(zc::gpu::FrameData) == 64 + 10 * 16 + 16 * zc::gpu::kHizLevels);
+static_assert(sizeof(zc::gpu::FrameData) == 64 + 11 * 16 + 16 * zc::gpu::kHizLevels);
 #endif
 
 #endif

@@ -16,7 +16,7 @@ HitSurface PAGE_NAME(hit_surface)(uint hit, vec3 position, float footprint_m) {
   s.shading_normal = s.geometric_normal;
   uvec2 appearance;
   s.attributes = PAGE_NAME(material_attributes)(cluster, packed_triangle, appearance);
-  const float per_metre = 1.0 / frame.sun_radiance.w;
+  const float per_metre = 1.0 / frame.step_m;
   if (PAGE_NAME(is_textured)(appearance)) {
     const float per_step = exp2(-float(cluster.shift));
     const vec3 steps = (position * per_metre - vec3(cluster.offset)) * per_step;

@@ -22,7 +22,7 @@ bool take_ray(uint place, out uint index, out TraceRay ray) {
   }
   const RayTask task = load_ray(index);
   ray = TraceRay(vec3(task.origin_x, task.origin_y, task.origin_z), task.t_min,
-                 vec3(task.dir_x, task.dir_y, task.dir_z), frame.forward.w, task.origin_normal);
+                 vec3(task.dir_x, task.dir_y, task.dir_z), frame.ray_length_m, task.origin_normal);
   return true;
 }
 

@@ -9,7 +9,7 @@
 
 // any: stop at the first hit. A ray that reaches the step bound comes back as kHitLost.
 TraceHit PAGE_NAME(trace)(TraceRay ray, bool any) {
-  const float step_m = frame.sun_radiance.w;
+  const float step_m = frame.step_m;
   const float per_m = 1.0 / step_m;
   const vec3 origin = ray.origin * per_m;
   const vec3 reciprocal = safe_reciprocal(ray.direction);

@@ -12,8 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "runtime/renderer.h"
+#include "replay/host/stand_in_host.h"
 #include "runtime/scene/zone_set.h"
+#include "runtime/tracer.h"
 #include "streamer/world_format/page_view.h"
 
 namespace zc::test {
@@ -58,14 +59,19 @@ class CheckedTracer {
     std::memcpy(host_->pool().mapped().data(), wild.data(), 4 * wild.size());
     const std::vector<gpu::MaterialEntry> mirrors(material_count, {0.5F, 0.5F, 0.5F, 0.01F, 1, 0, 0, 0});
     for (std::size_t i = 0; i < kKernels.size(); ++i) {
-      RendererOptions renderer;
+      HostOptions renderer;
       renderer.width = renderer.height = kSide;
       renderer.reflections = ReflectionMode::kProxy;
       renderer.page_depth = kPageDepth;
-      renderer.max_zones = 2;
       renderer.trace = kKernels[i];
       renderer.check_access = true;
-      ZC_ASSIGN(renderers_[i], Renderer::create(*device_, *proxies_, *host_, mirrors, renderer));
+      ZC_ASSIGN(renderers_[i], StandInHost::create(*device_, *proxies_, *host_, mirrors, renderer));
+      TracerOptions tracer;
+      tracer.max_rays = kRays;
+      tracer.page_depth = kPageDepth;
+      tracer.trace = kKernels[i];
+      tracer.check_access = true;
+      ZC_ASSIGN(tracers_[i], Tracer::create(*device_, *proxies_, tracer));
     }
     return {};
   }
@@ -84,9 +90,9 @@ class CheckedTracer {
     return {};
   }
 
-  Result<TraceSums> trace(std::size_t kernel, const RenderCamera& camera, std::span<const gpu::RayTask> rays) {
-    ZC_ASSIGN(const auto hits, renderers_[kernel]->trace(camera, rays));
-    const gpu::Counters counters = renderers_[kernel]->counters();
+  Result<TraceSums> trace(std::size_t kernel, const FrameCamera& camera, std::span<const gpu::RayTask> rays) {
+    ZC_ASSIGN(const auto hits, tracers_[kernel]->trace(camera, rays));
+    const gpu::Counters counters = tracers_[kernel]->counters();
     TraceSums sums;
     sums.rays = rays.size();
     sums.alone = counters.fallback_count;
@@ -100,7 +106,7 @@ class CheckedTracer {
   }
 
   // All passes of a frame: the page is drawn, lit, mirrored in the other one and shading_normal.
-  Result<TraceSums> render(std::size_t kernel, const RenderCamera& camera) {
+  Result<TraceSums> render(std::size_t kernel, const FrameCamera& camera) {
     std::vector<ZoneDraw> draws;
     for (std::uint32_t slot = 0; slot < pages_.size(); ++slot)
       draws.push_back({slot, host_->triangle_count(slot), PageView(pages_[slot].page).header().node_count});
@@ -123,7 +129,8 @@ class CheckedTracer {
 
   std::unique_ptr<Device> device_;
   std::optional<ZoneSet> proxies_, host_;
-  std::array<std::unique_ptr<Renderer>, kKernels.size()> renderers_;
+  std::array<std::unique_ptr<StandInHost>, kKernels.size()> renderers_;
+  std::array<std::unique_ptr<Tracer>, kKernels.size()> tracers_;
   std::vector<TracedOne> pages_;
 };
 

@@ -102,7 +102,7 @@ glm::vec3 metres(const std::array<double, 3>& lattice, const std::array<std::int
 
 // A view of a sound page, and rays that meet it: half of them in bundles, which packets are made of.
 struct View {
-  RenderCamera camera;
+  FrameCamera camera;
   std::vector<gpu::RayTask> rays;
 };
 

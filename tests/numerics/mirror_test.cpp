@@ -48,7 +48,7 @@ class Mirror : public testing::TestWithParam<ReflectionMode> {};
 
 Comparison compare(ReflectionMode mode, const glm::dvec3& eye, glm::vec3 forward) {
   Comparison result;
-  RendererOptions options;
+  HostOptions options;
   options.width = kWidth;
   options.height = kHeight;
   options.reflections = mode;
@@ -140,7 +140,7 @@ TEST(CoarseProxies, AreNotTakenForTheSurfaceThatARayLeaves) {
   };
   wall(10, -1, 4);   // mirror, towards -y
   wall(-10, +1, 5);  // red, towards +y
-  RendererOptions options;
+  HostOptions options;
   options.width = 160;
   options.height = 120;
   options.reflections = ReflectionMode::kProxy;

@@ -13,6 +13,7 @@
 
 #include "baker/bake.h"
 #include "replay/session/zone_table.h"
+#include "runtime/tracer.h"
 
 namespace zc::test {
 
@@ -27,7 +28,7 @@ class RenderedWorld {
 
   // Every zone resident at its finest proxy; the host set holds the full detail.
   // claimed_error_m: what the zone table says of the proxies' error instead of what was measured.
-  Status open(Scene scene, const BakeOptions& bake, RendererOptions options,
+  Status open(Scene scene, const BakeOptions& bake, HostOptions options,
               std::optional<float> claimed_error_m = std::nullopt) {
     std::string pattern = (std::filesystem::temp_directory_path() / "zonecast-numerics-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr) return Error{ErrorCode::kIo, "no temporary folder", pattern};
@@ -62,16 +63,24 @@ class RenderedWorld {
   }
 
   // With other options, over the same zones.
-  Status remake_renderer(RendererOptions options) {
-    options.max_zones = static_cast<std::uint32_t>(index().nodes.size());
-    ZC_ASSIGN(renderer_, Renderer::create(*device_, *proxies_, *host_, materials_, options));
+  Status remake_renderer(HostOptions options) {
+    ZC_ASSIGN(renderer_, StandInHost::create(*device_, *proxies_, *host_, materials_, options));
+    return {};
+  }
+
+  Status make_tracer(std::uint32_t max_rays, std::uint32_t page_depth, const TraceVariant& variant) {
+    TracerOptions options;
+    options.max_rays = max_rays;
+    options.page_depth = page_depth;
+    options.trace = variant;
+    ZC_ASSIGN(tracer_, Tracer::create(*device_, *proxies_, options));
     return {};
   }
 
   // A camera at a CRS position. The basis is taken as it is, mirrored ones included.
-  [[nodiscard]] RenderCamera camera(const glm::dvec3& eye, const glm::vec3& right, const glm::vec3& up,
-                                    const glm::vec3& forward) const {
-    RenderCamera camera;
+  [[nodiscard]] FrameCamera camera(const glm::dvec3& eye, const glm::vec3& right, const glm::vec3& up,
+                                   const glm::vec3& forward) const {
+    FrameCamera camera;
     camera.step_m = index().step_m();
     for (int axis = 0; axis < 3; ++axis) {
       const auto i = static_cast<std::size_t>(axis);
@@ -86,7 +95,7 @@ class RenderedWorld {
     return camera;
   }
 
-  Result<FrameResult> render(const RenderCamera& camera) {
+  Result<FrameResult> render(const FrameCamera& camera) {
     return renderer_->render(camera, host_table_->draws(camera, 1.0, false));
   }
 
@@ -95,7 +104,8 @@ class RenderedWorld {
   [[nodiscard]] const Streamer& streamer() const { return *streamer_; }
   // The proxies that are traced, by slot.
   [[nodiscard]] std::span<const gpu::ZoneEntry> proxy_zones() const { return proxy_table_->entries(); }
-  [[nodiscard]] Renderer& renderer() { return *renderer_; }
+  [[nodiscard]] StandInHost& renderer() { return *renderer_; }
+  [[nodiscard]] Tracer& tracer() { return *tracer_; }
   [[nodiscard]] const Device& device() const { return *device_; }
 
  private:
@@ -113,7 +123,8 @@ class RenderedWorld {
   std::unique_ptr<Streamer> streamer_, host_streamer_;
   std::optional<ZoneTable> proxy_table_, host_table_;
   std::vector<gpu::MaterialEntry> materials_;
-  std::unique_ptr<Renderer> renderer_;
+  std::unique_ptr<StandInHost> renderer_;
+  std::unique_ptr<Tracer> tracer_;
 };
 
 }  // namespace zc::test

@@ -113,7 +113,7 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
   const double offset_m = GetParam();
   BakeOptions bake;
   bake.leaf_triangles = 600;
-  RendererOptions options;
+  HostOptions options;
   options.width = 400;
   options.height = 256;
   test::RenderedWorld world;
@@ -131,7 +131,7 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
     middle[axis] = (static_cast<double>(index.header.anchor[i]) + std::floor(center)) * step_m;
     half[axis] = (index.header.bounds_max[i] - center) * step_m;
   }
-  const RenderCamera camera = world.camera(middle, {1, 0, 0}, {0, 0, 1}, {0, 1, 0});
+  const FrameCamera camera = world.camera(middle, {1, 0, 0}, {0, 0, 1}, {0, 1, 0});
   ASSERT_GT(world.proxy_zones().size(), 4U);
   std::vector<OracleTriangle> triangles;
   std::map<std::uint32_t, std::size_t> first_of_page;
@@ -170,11 +170,11 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
     options.trace = variant;
     // Half of them with stacks for deeper pages than there are.
     options.page_depth = variant.width == 64 ? deepest : gpu::kPageMaxDepth;
-    const Status remade = world.remake_renderer(options);
+    const Status remade = world.make_tracer(kRays, options.page_depth, options.trace);
     ASSERT_TRUE(remade.ok()) << remade.error().describe();
-    ASSERT_EQ(world.renderer().trace_variant(), variant);
+    ASSERT_EQ(world.tracer().trace_variant(), variant);
     double milliseconds = 0;
-    const auto hits = world.renderer().trace(camera, rays, {}, &milliseconds);
+    const auto hits = world.tracer().trace(camera, rays, false, &milliseconds);
     ASSERT_TRUE(hits.ok()) << hits.error().describe();
     Verdict sum;
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -204,7 +204,7 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
     for (std::size_t i = 0; i < rays.size(); ++i)
       different += std::memcmp(&first_hits[i], &(*hits)[i], sizeof(TracedHit)) != 0 ? 1 : 0;
     EXPECT_LE(different, first_tied + sum.tied);
-    const auto any = world.renderer().trace(camera, rays, {.any_hit = true});
+    const auto any = world.tracer().trace(camera, rays, true);
     ASSERT_TRUE(any.ok()) << any.error().describe();
     std::size_t disagree = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -217,9 +217,9 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
                 milliseconds, world.device().name().c_str());
   }
   // And so does the one that is measured to be the fastest.
-  const Result<bool> chosen = world.renderer().choose_trace_variant(kRays, false);
+  const Result<bool> chosen = world.tracer().choose_trace_variant(kRays);
   ASSERT_TRUE(chosen.ok()) << chosen.error().describe();
-  const auto hits = world.renderer().trace(camera, rays);
+  const auto hits = world.tracer().trace(camera, rays);
   ASSERT_TRUE(hits.ok()) << hits.error().describe();
   EXPECT_EQ(std::memcmp(first_hits.data(), hits->data(), hits->size() * sizeof(TracedHit)), 0);
   EXPECT_EQ(world.device().validation_messages(), 0U);

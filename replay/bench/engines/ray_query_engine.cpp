@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "replay/bench/engines/gpu_engine.h"
-#include "spirv/shader_code.h"
+#include "spirv/bench.h"
 
 namespace zc::bench {
 namespace {

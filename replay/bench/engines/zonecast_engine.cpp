@@ -10,15 +10,14 @@
 #include "replay/bench/engines/plain_layout.h"
 #include "replay/bench/engines/stopwatch.h"
 #include "replay/bench/engines/zone_mesh.h"
-#include "runtime/renderer.h"
 #include "runtime/scene/zone_set.h"
-#include "spirv/shader_code.h"
+#include "runtime/tracer.h"
+#include "spirv/bench.h"
 
 namespace zc::bench {
 namespace {
 
 constexpr float kFarthestM = 1e30F;
-constexpr std::uint32_t kPictureWidth = 1024;  // the renderer takes as many rays as its picture has pixels
 
 class ZonecastEngine final : public TraceEngine {
  public:
@@ -28,7 +27,6 @@ class ZonecastEngine final : public TraceEngine {
         builder_(std::move(builder)),
         threads_(threads),
         zones_(device),
-        no_zones_(device),
         plain_zones_(device) {}
   [[nodiscard]] std::string name() const override { return options_.name; }
   [[nodiscard]] BuildFigures figures() const override { return figures_; }
@@ -43,7 +41,6 @@ class ZonecastEngine final : public TraceEngine {
     }
     const auto count = static_cast<std::uint32_t>(pages.size());
     ZC_TRY(zones_.create(words, count));
-    ZC_TRY(no_zones_.create(gpu::kPageAlignWords, 1));
     std::vector<gpu::ZoneEntry> entries;
     std::uint32_t at = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -64,23 +61,22 @@ class ZonecastEngine final : public TraceEngine {
   }
 
   Result<double> trace(std::span<const BenchRay> rays, std::span<BenchHit> hits) override {
-    const auto height = static_cast<std::uint32_t>((rays.size() + kPictureWidth - 1) / kPictureWidth);
-    if (renderer_ == nullptr || height_ < height) {
-      RendererOptions options;
-      options.width = kPictureWidth;
-      options.height = height_ = height;
-      options.page_depth = page_depth_;
-      options.max_zones = static_cast<std::uint32_t>(entries_.size());
+    if (tracer_ == nullptr || max_rays_ < rays.size()) {
+      const ZoneSet& traced = options_.plain ? plain_zones_ : zones_;
+      TracerOptions options;
+      options.max_rays = max_rays_ = static_cast<std::uint32_t>(rays.size());
+      options.page_depth = page_depth_ + zones_.top_depth_bound();  // the plain pool has no top level of its own
       options.trace = options_.variant;
-      if (const auto why_not = unsupported_reason(options.trace, trace_limits(device_, options)); !why_not.empty())
+      const TraceLimits limits = trace_limits(device_, options.page_depth, traced.top_depth_bound());
+      if (const auto why_not = unsupported_reason(options.trace, limits); !why_not.empty())
         return Error{ErrorCode::kUnsupported, std::string(why_not)};
       if (options_.plain)
-        options.proxy_kernels = {shader::trace_plain_packets(),
-                                 packets() ? shader::trace_plain_children() : shader::trace_plain_rays(),
-                                 shader::resolve_plain()};
-      ZC_ASSIGN(renderer_, Renderer::create(device_, options_.plain ? plain_zones_ : zones_, no_zones_, {}, options));
+        options.kernels = {shader::trace_plain_packets(),
+                           packets() ? shader::trace_plain_children() : shader::trace_plain_rays(),
+                           shader::resolve_plain()};
+      ZC_ASSIGN(tracer_, Tracer::create(device_, traced, options));
     }
-    RenderCamera camera;
+    FrameCamera camera;
     camera.step_m = scene_->step_m;
     camera.ray_length_m = kFarthestM;
     std::vector<gpu::RayTask> tasks(rays.size());
@@ -89,8 +85,7 @@ class ZonecastEngine final : public TraceEngine {
       tasks[i] = {r.ox, r.oy, r.oz, 0, r.dx, r.dy, r.dz, gpu::kNoSurface};
     }
     double milliseconds = 0;
-    ZC_ASSIGN(const std::vector<TracedHit> records,
-              renderer_->trace(camera, tasks, {.any_hit = options_.any_hit}, &milliseconds));
+    ZC_ASSIGN(const std::vector<TracedHit> records, tracer_->trace(camera, tasks, options_.any_hit, &milliseconds));
     for (std::size_t i = 0; i < rays.size(); ++i) {
       TracedHit hit = records[i];
       if (hit.page_word == gpu::kHitLost) return Error{ErrorCode::kDevice, "ray " + std::to_string(i) + " was lost"};
@@ -152,14 +147,13 @@ class ZonecastEngine final : public TraceEngine {
   unsigned threads_;
   const BenchScene* scene_ = nullptr;
   ZoneSet zones_;
-  ZoneSet no_zones_;
   ZoneSet plain_zones_;  // a pool alone
   std::vector<PlainTriangle> plain_triangles_;
   std::uint32_t plain_first_ = 0;
   std::vector<gpu::ZoneEntry> entries_;
   std::vector<std::vector<std::uint32_t>> order_;  // by zone
-  std::unique_ptr<Renderer> renderer_;
-  std::uint32_t height_ = 0;
+  std::unique_ptr<Tracer> tracer_;
+  std::uint32_t max_rays_ = 0;
   std::uint32_t page_depth_ = 1;
   BuildFigures figures_;
 };

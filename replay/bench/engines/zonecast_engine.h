@@ -13,7 +13,7 @@
 
 #include "replay/bench/engines/trace_engine.h"
 #include "runtime/device/device.h"
-#include "runtime/trace_variant.h"
+#include "runtime/tracing/trace_variant.h"
 #include "streamer/world_format/bvh_page.h"
 
 namespace zc::bench {

@@ -9,7 +9,8 @@
 
 #include "shaders/shared/frame.h"
 #include "shaders/shared/scene.h"
-#include "spirv/shader_code.h"
+#include "spirv/host.h"
+#include "spirv/passes.h"
 
 namespace {
 
@@ -50,12 +51,19 @@ const std::map<std::string, Layout>& host_layouts() {
          AT(Counters, rays_lost),         AT(Counters, fallback_count),    AT(Counters, packet_groups_x),
          AT(Counters, packet_groups_y),   AT(Counters, packet_groups_z),   AT(Counters, fallback_groups_x),
          AT(Counters, fallback_groups_y), AT(Counters, fallback_groups_z), AT(Counters, out_of_page)}}},
-      {"FrameData",
-       {sizeof(zc::gpu::FrameData),
-        {AT(FrameData, view_projection), AT(FrameData, eye), AT(FrameData, right), AT(FrameData, up),
-         AT(FrameData, forward), AT(FrameData, sun_direction), AT(FrameData, sun_radiance),
-         AT(FrameData, camera_lattice), AT(FrameData, size), AT(FrameData, sets), AT(FrameData, set_ends),
-         AT(FrameData, hiz_offset)}}}};
+      {"FrameData", {sizeof(zc::gpu::FrameData), {AT(FrameData, view_projection), AT(FrameData, eye),
+                                                  AT(FrameData, right),           AT(FrameData, up),
+                                                  AT(FrameData, forward),         AT(FrameData, sun_direction),
+                                                  AT(FrameData, sun_radiance),    AT(FrameData, camera_lattice),
+                                                  AT(FrameData, near_m),          AT(FrameData, tan_half_fov_x),
+                                                  AT(FrameData, tan_half_fov_y),  AT(FrameData, ray_length_m),
+                                                  AT(FrameData, step_m),          AT(FrameData, roughness_cut),
+                                                  AT(FrameData, sun_is_baked),    AT(FrameData, screen_step_limit),
+                                                  AT(FrameData, width),           AT(FrameData, height),
+                                                  AT(FrameData, hiz_level_count), AT(FrameData, reserved),
+                                                  AT(FrameData, root_word),       AT(FrameData, zone_count),
+                                                  AT(FrameData, end_word),        AT(FrameData, reserved1),
+                                                  AT(FrameData, hiz_levels)}}}};
   return layouts;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/trace_variant.h"
+#include "runtime/tracing/trace_variant.h"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The host's G-buffer: pulls a zone's triangles straight from its page; one draw a zone, the slot is the instance.
+// The stand-in host's G-buffer: pulls a zone's triangles straight from its page; one draw a zone, the slot is the instance.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "passes/scene_bindings.glsl"
+#include "passes/zone_bindings.glsl"
 #include "shading/surface_attributes.glsl"
+#include "adapter/sky.glsl"
 #include "shading/shading.glsl"
 #include "shading/baked_light.glsl"
 
-#include "page/full_detail_set.glsl"
+#include "page/zone_set.glsl"
 #include "page/page_fetch.glsl"
 #include "page/page_appearance.glsl"
 
@@ -21,30 +22,30 @@ layout(location = 5) flat out float out_texels_per_step;
 void main() {
   const uint triangle = gl_VertexIndex / 3;
   const uint corner = gl_VertexIndex % 3;
-  const ZoneEntry zone = host_zones[gl_InstanceIndex];
-  const host_Cluster cluster = host_find_cluster(zone.page_word, triangle);
+  const ZoneEntry zone = zones[gl_InstanceIndex];
+  const zone_Cluster cluster = zone_find_cluster(zone.page_word, triangle);
   const uint index = triangle - cluster.first_triangle;
-  const uint packed_triangle = host_load(cluster.triangle_word + index);
+  const uint packed_triangle = zone_load(cluster.triangle_word + index);
   vec3 a;
   vec3 b;
   vec3 c;
-  host_load_corners(cluster, packed_triangle, a, b, c);
+  zone_load_corners(cluster, packed_triangle, a, b, c);
   const vec3 n = cross(b - a, c - a);
   const float l = length(n);
   const vec3 p = corner == 0u ? a : (corner == 1u ? b : c);
-  gl_Position = frame.view_projection * vec4(p * frame.sun_radiance.w, 1.0);
+  gl_Position = frame.view_projection * vec4(p * frame.step_m, 1.0);
   out_steps = (p - vec3(cluster.offset)) * exp2(-float(cluster.shift));
   out_barycentric = vec2(corner == 0u, corner == 1u);
   uvec2 appearance;
-  const SurfaceAttributes material = host_material_attributes(cluster, packed_triangle, appearance);
-  const uvec2 light = host_load_light(cluster, index);
+  const SurfaceAttributes material = zone_material_attributes(cluster, packed_triangle, appearance);
+  const uvec2 light = zone_load_light(cluster, index);
   out_surface = uvec4(pack_normal(l > 0.0 ? n / l : vec3(0, 0, 1)),
                       pack_base(material.base, material.roughness, material.metallic), light);
-  out_normals = host_load_normals(cluster, index);
+  out_normals = zone_load_normals(cluster, index);
   out_appearance = uvec4(appearance, 0u, 0u);
   out_texels_per_step = 0.0;
-  if (host_is_textured(appearance)) {
-    const host_Atlas atlas = host_load_atlas(cluster.page_word);
+  if (zone_is_textured(appearance)) {
+    const zone_Atlas atlas = zone_load_atlas(cluster.page_word);
     out_appearance.zw = uvec2(atlas.word, atlas.size);
     out_texels_per_step = atlas.texels_per_step;
   }

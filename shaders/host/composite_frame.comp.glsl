@@ -2,24 +2,24 @@
 // Adds the mirrored light to the lit surfaces, tone-maps (Narkowicz 2015, ACES fit) and writes sRGB.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "passes/bindings.glsl"
-#include "shading/surface.glsl"
+#include "host/host_bindings.glsl"
+#include "adapter/load_surface.glsl"
+#include "adapter/sky.glsl"
 #include "shading/shading.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, ivec2(frame.size.xy)))) return;
-  const uint index = uint(pixel.y) * frame.size.x + uint(pixel.x);
+  if (any(greaterThanEqual(pixel, ivec2(frame_size())))) return;
+  const uint index = uint(pixel.y) * frame.width + uint(pixel.x);
   const Surface s = load_surface(pixel);
-  vec3 color = unpack_color(lit[index]).rgb;
+  vec3 color = texelFetch(irradiance_image, pixel, 0).rgb;
   if (!s.sky) {
     // Without a traced ray the surface mirrors the sky if it mirrors at all (--reflections none).
     const Shading shading = shade_surface(s.attributes, s.shading_normal, s.view);
-    const bool traced = (provenance[index] & ((1u << kSourceBits) - 1u)) != kSourceNone;
-    const vec3 mirrored =
-        traced ? unpack_color(reflection[index]).rgb : sky_radiance(mirrored_direction(s));
+    const vec4 reflected = texelFetch(reflection_in, pixel, 0);
+    const vec3 mirrored = reflected.a > 0.0 ? reflected.rgb : sky_radiance(mirrored_direction(s));
     color = add_haze(color * shading.diffuse + shading.specular * mirrored, s.view, s.distance_m);
   }
   color *= 0.9;

@@ -3,16 +3,16 @@
 // triangles (6 vertices a triangle), 1 the boxes of the leaves (192 vertices a node: eight children, twelve edges).
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "passes/scene_bindings.glsl"
+#include "passes/zone_bindings.glsl"
 
-#include "page/proxy_set.glsl"
+#include "page/zone_set.glsl"
 #include "page/page_fetch.glsl"
 
 layout(location = 0) flat out vec3 out_color;
 
 void main() {
-  const ZoneEntry zone = proxy_zones[gl_InstanceIndex];
-  const float step_m = frame.sun_radiance.w;
+  const ZoneEntry zone = zones[gl_InstanceIndex];
+  const float step_m = frame.step_m;
   const uint id = uint(gl_VertexIndex);
   vec3 p;
   bool shown = true;
@@ -20,20 +20,20 @@ void main() {
     vec3 a;
     vec3 b;
     vec3 c;
-    const proxy_Cluster cluster = proxy_find_cluster(zone.page_word, id / 6u);
-    proxy_load_corners(cluster, proxy_load(cluster.triangle_word + id / 6u - cluster.first_triangle), a, b, c);
+    const zone_Cluster cluster = zone_find_cluster(zone.page_word, id / 6u);
+    zone_load_corners(cluster, zone_load(cluster.triangle_word + id / 6u - cluster.first_triangle), a, b, c);
     const uint corner = ((id % 6u + 1u) / 2u) % 3u;
     p = corner == 0u ? a : (corner == 1u ? b : c);
     out_color = vec3(0.15, 0.95, 0.25);
   } else {
     const uint node = zone.page_word + kPageHeaderWords + (id / 192u) * kPageNodeWords;
     const uint slot = id % 192u / 24u;
-    const uvec4 head = proxy_load4(node);
+    const uvec4 head = zone_load4(node);
     shown = (head.w >> (24u + slot) & 1u) != 0u;
     const uint word = node + 8u + slot / 4u;
     const uint shift = 8u * (slot % 4u);
-    const uvec3 low = uvec3(proxy_load(word), proxy_load(word + 2u), proxy_load(word + 4u)) >> shift & 0xFFu;
-    const uvec3 high = uvec3(proxy_load(word + 6u), proxy_load(word + 8u), proxy_load(word + 10u)) >> shift & 0xFFu;
+    const uvec3 low = uvec3(zone_load(word), zone_load(word + 2u), zone_load(word + 4u)) >> shift & 0xFFu;
+    const uvec3 high = uvec3(zone_load(word + 6u), zone_load(word + 8u), zone_load(word + 10u)) >> shift & 0xFFu;
     const uvec3 exponent = uvec3(head.w, head.w >> 5, head.w >> 10) & 31u;
     const ivec3 from = ivec3(head.xyz) - frame.camera_lattice.xyz;
     const vec3 lo = vec3(from + ivec3(low << exponent));

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The G-buffer's surface: how it is packed, and how a pixel becomes a position, a normal and a material.
+// How a pixel of the host's G-buffer becomes a position, normals and a material. A host whose G-buffer is another one
+// replaces this file, or fills these images: `depth_image`, reversed Z with the far plane at infinity, 0 for the sky;
+// `surface_image`, RGBA32UI: x the geometric normal (pack_normal), y base colour, roughness and metalness (pack_base),
+// w, from bit 2 on, the shading normal (pack_normal_30) or 0 where it is the geometric one. z and the low bits of w are
+// the stand-in host's own.
 
 #include "shading/surface_attributes.glsl"
 
 // Direction through a point of the image, in pixels; not normalised: its component along `forward` is 1.
 vec3 view_direction(vec2 pixel) {
-  const vec2 ndc = pixel / vec2(frame.size.xy) * 2.0 - 1.0;
-  return frame.forward.xyz + frame.right.xyz * (ndc.x * frame.right.w) - frame.up.xyz * (ndc.y * frame.up.w);
+  const vec2 ndc = pixel / vec2(frame_size()) * 2.0 - 1.0;
+  return frame.forward.xyz + frame.right.xyz * (ndc.x * frame.tan_half_fov_x) - frame.up.xyz * (ndc.y * frame.tan_half_fov_y);
 }
 
 struct Surface {
@@ -28,7 +32,7 @@ Surface load_surface(ivec2 pixel) {
   const float depth = texelFetch(depth_image, pixel, 0).x;
   s.view = normalize(direction);
   s.sky = depth <= 0.0;
-  s.distance_m = frame.eye.w / max(depth, 1e-12);
+  s.distance_m = frame.near_m / max(depth, 1e-12);
   s.position = frame.eye.xyz + direction * s.distance_m;
   const uvec4 packed_surface = texelFetch(surface_image, pixel, 0);
   s.origin_normal = packed_surface.x;
@@ -49,10 +53,4 @@ vec3 mirrored_direction(Surface s) {
 }
 
 // The width of a pixel at a distance along the view axis, in metres.
-float pixel_footprint_m(float distance_m) { return 2.0 * frame.up.w * distance_m / float(frame.size.y); }
-
-uvec2 pack_color(vec3 rgb, float w) {
-  rgb = min(rgb, vec3(60000.0));
-  return uvec2(packHalf2x16(rgb.rg), packHalf2x16(vec2(rgb.b, w)));
-}
-vec4 unpack_color(uvec2 bits) { return vec4(unpackHalf2x16(bits.x), unpackHalf2x16(bits.y)); }
+float pixel_footprint_m(float distance_m) { return 2.0 * frame.tan_half_fov_y * distance_m / float(frame.height); }

@@ -2,8 +2,8 @@
 // Pictures of intermediate data in place of the frame. pass_constants.a = kDebug…
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "passes/bindings.glsl"
-#include "shading/surface.glsl"
+#include "host/host_bindings.glsl"
+#include "adapter/load_surface.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -22,8 +22,8 @@ vec3 provenance_color(uint bits, Surface s) {
 
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, ivec2(frame.size.xy)))) return;
-  const uint index = uint(pixel.y) * frame.size.x + uint(pixel.x);
+  if (any(greaterThanEqual(pixel, ivec2(frame_size())))) return;
+  const uint index = uint(pixel.y) * frame.width + uint(pixel.x);
   const Surface s = load_surface(pixel);
   vec3 color = vec3(0.0);
   if (pass_constants.a == kDebugProvenance) {
