@@ -386,9 +386,9 @@ Result<std::vector<TracedHit>> Renderer::trace(const RenderCamera& camera, std::
   if (milliseconds != nullptr) *milliseconds = ms;
   std::vector<TracedHit> hits(rays.size());
   for (std::size_t i = 0; i < hits.size(); ++i) {
-    gpu::HitRecord record;
-    std::memcpy(&record, readback_.mapped().data() + i * sizeof record, sizeof record);
-    hits[i] = {record.t, record.pixel, record.triangle};
+    gpu::ResolvedHit hit;
+    std::memcpy(&hit, readback_.mapped().data() + i * sizeof hit, sizeof hit);
+    hits[i] = {hit.t, hit.page_word, hit.triangle};
   }
   return hits;
 }

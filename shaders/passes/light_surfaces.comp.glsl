@@ -27,7 +27,7 @@ void main() {
     const float start_m = 1e-3 + 1e-5 * s.distance_m;
     const TraceRay ray =
         TraceRay(s.position + s.normal * start_m, 0.0, frame.sun_direction.xyz, frame.forward.w, s.origin_normal);
-    visibility = host_trace(ray, true).triangle == kHitNone ? 1.0 : 0.0;
+    visibility = host_trace(ray, true).triangle_word == kHitNone ? 1.0 : 0.0;
   }
   lit[index] = pack_color(irradiance(s.attributes, s.shading_normal, visibility), 0.0);
 }

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Says hits as pages know them, for who reads them back: in `pixel` the page's first word, in `triangle` the position
-// in that page.
+// Gives hits as pages know them, for who reads them back: a ResolvedHit in the place of each HitRecord.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"
-#include "traverse/trace.glsl"
 layout(constant_id = 2) const uint kTraceHost = 0u;
 #include "page/full_detail_set.glsl"
 #include "page/page_fetch.glsl"
@@ -16,19 +14,23 @@ layout(constant_id = 2) const uint kTraceHost = 0u;
 layout(local_size_x = 64) in;
 #include "traverse/list_index.glsl"
 
+layout(set = 0, binding = kBindHits, std430) writeonly buffer ResolvedHits { ResolvedHit resolved_hits[]; };
+
 void main() {
   const uint i = list_index();
   if (i >= counters.ray_count) return;
-  const uint hit = hits[i].triangle;
-  if (hit == kHitNone || hit == kHitLost) {
-    hits[i].pixel = hit;
-  } else if (kTraceHost != 0u) {
-    const host_Cluster cluster = host_load_cluster(hit_cluster_word(hit));
-    hits[i].triangle = cluster.first_triangle + hit_index(hit);
-    hits[i].pixel = cluster.page_word;
-  } else {
-    const proxy_Cluster cluster = proxy_load_cluster(hit_cluster_word(hit));
-    hits[i].triangle = cluster.first_triangle + hit_index(hit);
-    hits[i].pixel = cluster.page_word;
+  const HitRecord hit = hits[i];
+  ResolvedHit resolved = ResolvedHit(hit.t, hit.triangle_word, 0u);
+  if (hit.triangle_word != kHitNone && hit.triangle_word != kHitLost) {
+    if (kTraceHost != 0u) {
+      resolved.page_word = host_zone_at(hit.triangle_word).page_word;
+      const host_Cluster cluster = host_cluster_at(resolved.page_word, hit.triangle_word);
+      resolved.triangle = cluster.first_triangle + hit.triangle_word - cluster.triangle_word;
+    } else {
+      resolved.page_word = proxy_zone_at(hit.triangle_word).page_word;
+      const proxy_Cluster cluster = proxy_cluster_at(resolved.page_word, hit.triangle_word);
+      resolved.triangle = cluster.first_triangle + hit.triangle_word - cluster.triangle_word;
+    }
   }
+  resolved_hits[i] = resolved;
 }

@@ -38,7 +38,7 @@ ZC_CONST(uint, kBindReflection, 10u);  // uvec2 a pixel: half rgb, unused
 ZC_CONST(uint, kBindProvenance, 11u);  // uint a pixel
 ZC_CONST(uint, kBindPixels, 12u);      // uint: reflective pixels
 ZC_CONST(uint, kBindRays, 13u);        // RayTask
-ZC_CONST(uint, kBindHits, 14u);        // HitRecord
+ZC_CONST(uint, kBindHits, 14u);        // HitRecord, or ResolvedHit
 ZC_CONST(uint, kBindCounters, 15u);
 ZC_CONST(uint, kBindOutput, 16u);   // uint a pixel: RGBA8 sRGB
 ZC_CONST(uint, kBindDepth, 17u);    // sampled: reversed-Z depth
@@ -88,15 +88,21 @@ struct RayTask {
 };
 ZC_CONST(uint, kNoSurface, 0x80008000u);  // no normal is packed so
 
-// A triangle in the pool: its cluster's first word over 4, from bit kHitIndexBits on, and its place in the cluster.
-ZC_CONST(uint, kHitIndexBits, 9u);
+// In place of a word of the pool.
 ZC_CONST(uint, kHitNone, 0xFFFFFFFFu);
-ZC_CONST(uint, kHitLost, 0xFFFFFFFEu);  // the traversal's bound was reached: never expected, always counted
+ZC_CONST(uint, kHitLost, 0xFFFFFFFEu);  // the traversal's bound was reached: always counted
 
 struct HitRecord {
-  float t;        // metres; undefined where nothing was hit
-  uint triangle;  // in the pool, or kHitNone / kHitLost
-  uint pixel;     // that asked
+  float t;             // metres; undefined where nothing was hit
+  uint triangle_word;  // the triangle's own word in the pool, or kHitNone / kHitLost
+  uint pixel;          // that asked
+};
+
+// What resolve_hits.comp.glsl leaves in a HitRecord's place.
+struct ResolvedHit {
+  float t;         // as it was
+  uint page_word;  // the page's first word in the pool, or kHitNone / kHitLost
+  uint triangle;   // its position in that page; undefined where nothing was hit
 };
 
 // Rays that a packets left to fallback rays: bit 8 * (lane % 4) + r of mask lane / 4 stands for ray first_ray + 8 * r +
@@ -156,6 +162,7 @@ ZC_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(zc::gpu::RayTask) == 32);
 static_assert(sizeof(zc::gpu::HitRecord) == 12);
+static_assert(sizeof(zc::gpu::ResolvedHit) == sizeof(zc::gpu::HitRecord));
 static_assert(sizeof(zc::gpu::FallbackRays) == 12);
 static_assert(sizeof(zc::gpu::Counters) == 84);
 static_assert(sizeof(zc::gpu::FrameData) == 64 + 10 * 16 + 16 * zc::gpu::kHizLevels);

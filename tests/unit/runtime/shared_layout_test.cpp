@@ -37,7 +37,10 @@ const std::map<std::string, Layout>& host_layouts() {
        {sizeof(zc::gpu::RayTask),
         {AT(RayTask, origin_x), AT(RayTask, origin_y), AT(RayTask, origin_z), AT(RayTask, t_min), AT(RayTask, dir_x),
          AT(RayTask, dir_y), AT(RayTask, dir_z), AT(RayTask, origin_normal)}}},
-      {"HitRecord", {sizeof(zc::gpu::HitRecord), {AT(HitRecord, t), AT(HitRecord, triangle), AT(HitRecord, pixel)}}},
+      {"HitRecord",
+       {sizeof(zc::gpu::HitRecord), {AT(HitRecord, t), AT(HitRecord, triangle_word), AT(HitRecord, pixel)}}},
+      {"ResolvedHit",
+       {sizeof(zc::gpu::ResolvedHit), {AT(ResolvedHit, t), AT(ResolvedHit, page_word), AT(ResolvedHit, triangle)}}},
       {"FallbackRays",
        {sizeof(zc::gpu::FallbackRays),
         {AT(FallbackRays, first_ray), AT(FallbackRays, mask_low), AT(FallbackRays, mask_high)}}},
@@ -118,7 +121,8 @@ TEST(SharedLayout, EveryStructHasTheOffsetsThatTheShadersUse) {
   for (const auto& shader : {zc::shader::draw_zone_vert(), zc::shader::draw_lines_vert(), zc::shader::light_surfaces(),
                              zc::shader::reduce_depth(), zc::shader::classify_pixels(), zc::shader::size_dispatch(),
                              zc::shader::march_screen(), zc::shader::trace_packets(), zc::shader::trace_rays(),
-                             zc::shader::shade_hits(), zc::shader::composite_frame(), zc::shader::show_debug()}) {
+                             zc::shader::resolve_hits(), zc::shader::shade_hits(), zc::shader::composite_frame(),
+                             zc::shader::show_debug()}) {
     for (const auto& [name, count] : compare_blocks(shader)) seen[name] += count;
   }
   for (const auto& [name, layout] : host_layouts()) EXPECT_GT(seen[name], 0) << name << " is in no shader";
