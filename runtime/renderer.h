@@ -46,7 +46,9 @@ struct RendererOptions {
   std::uint32_t screen_steps = 256;
   std::uint32_t page_depth = gpu::kPageMaxDepth;  // deepest page that will be traced
   std::uint32_t max_zones = 1;                    // most zones ever resident in one set
+  bool pools_as_texels = true;                    // the device can bind the whole of both sets' pools as texels
   TraceVariant trace;                             // where it does not fit: nearest_fit()
+  std::uint32_t step_limit = 0;                   // nodes that a ray may visit; 0: step_limit() of the device
   bool check_access = false;                      // count reads outside the traced pages, and divert them: for tests
   LayoutKernels proxy_kernels = {};
 };

@@ -74,7 +74,8 @@ Result<VkFramebuffer> make_framebuffer(const Device& device, VkRenderPass pass, 
 TraceLimits trace_limits(const Device& device, const RendererOptions& options) {
   // A level leaves at most one entry behind, and the last none.
   return {device.subgroup_size(), device.limits().maxComputeSharedMemorySize,
-          options.page_depth + top_level_depth_bound(options.max_zones)};
+          options.page_depth + top_level_depth_bound(options.max_zones), options.pools_as_texels,
+          options.step_limit > 0 ? options.step_limit : step_limit(device.name())};
 }
 
 Result<std::unique_ptr<Renderer>> Renderer::create(Device& device, const ZoneSet& proxies, const ZoneSet& host,
@@ -241,7 +242,9 @@ Status Renderer::create_pipelines() {
 
 PassVariant Renderer::pass_variant(const TraceVariant& trace, bool host) const {
   PassVariant variant;
-  variant.stack_size = static_cast<std::int32_t>(trace_limits(device_, options_).stack_entries);
+  const TraceLimits limits = trace_limits(device_, options_);
+  variant.stack_size = static_cast<std::int32_t>(limits.stack_entries);
+  variant.step_limit = static_cast<std::int32_t>(limits.steps);
   variant.use_screen = options_.reflections == ReflectionMode::kScreenAndProxy ? 1 : 0;
   variant.trace_host = host ? 1 : 0;
   variant.pool_path = trace.pool_path;

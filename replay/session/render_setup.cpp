@@ -72,6 +72,11 @@ void set_sun(RendererOptions& options, const WorldIndex& index, const std::optio
   options.sun_is_baked = baked && sun.elevation_deg >= 0 && sun.pack() == index.header.sun;
 }
 
+void fit_sets(RendererOptions& options, const ZoneSet& proxies, const ZoneSet& host) {
+  options.max_zones = std::max(proxies.max_pages(), host.max_pages());
+  options.pools_as_texels = proxies.all_as_texels() && host.all_as_texels();
+}
+
 Picture picture_of(const Renderer& renderer, const RendererOptions& options) {
   Picture picture{options.width, options.height, {}};
   const auto pixels = renderer.pixels();

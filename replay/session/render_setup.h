@@ -8,6 +8,7 @@
 #include "replay/image/png_file.h"
 #include "replay/session/camera_path.h"
 #include "runtime/renderer.h"
+#include "runtime/scene/zone_set.h"
 #include "streamer/world_format/sun_angles.h"
 #include "streamer/world_format/world_index.h"
 
@@ -21,6 +22,9 @@ std::uint32_t deepest_page(const WorldIndex& index);
 std::vector<gpu::MaterialEntry> material_entries(const WorldIndex& index);
 // The one that is asked for, else the bake's, else 145,38.
 void set_sun(RendererOptions& options, const WorldIndex& index, const std::optional<SunAngles>& asked);
+
+// What the renderer must know of the sets that it will draw.
+void fit_sets(RendererOptions& options, const ZoneSet& proxies, const ZoneSet& host);
 
 // What the renderer drew last.
 Picture picture_of(const Renderer& renderer, const RendererOptions& options);

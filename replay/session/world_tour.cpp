@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "replay/session/render_setup.h"
-#include "replay/session/zone_table.h"
+#include "replay/session/zone_draws.h"
 #include "streamer/paging/page_loader.h"
 #include "streamer/world_format/page_view.h"
 

@@ -6,6 +6,7 @@
 
 #include <vulkan/vulkan.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -53,6 +54,15 @@ class Device {
   // Warnings and errors of the validation layers so far; 0 when they are off.
   [[nodiscard]] std::uint64_t validation_messages() const { return validation_messages_; }
 
+  // Memory that buffers and images took of it: now, and at most so far.
+  [[nodiscard]] std::uint64_t allocated_bytes() const { return allocated_bytes_; }
+  [[nodiscard]] std::uint64_t peak_allocated_bytes() const { return peak_allocated_bytes_; }
+  void count_allocation(std::uint64_t bytes) const {
+    allocated_bytes_ += bytes;
+    peak_allocated_bytes_ = std::max(peak_allocated_bytes_, allocated_bytes_);
+  }
+  void count_free(std::uint64_t bytes) const { allocated_bytes_ -= bytes; }
+
   // Records commands, submits them and waits until they are done.
   Status run(const std::function<void(VkCommandBuffer)>& record);
 
@@ -91,6 +101,8 @@ class Device {
   std::uint32_t min_subgroup_size_ = 0;
   std::uint32_t max_subgroup_size_ = 0;
   std::uint64_t validation_messages_ = 0;
+  mutable std::uint64_t allocated_bytes_ = 0;
+  mutable std::uint64_t peak_allocated_bytes_ = 0;
 };
 
 }  // namespace zc

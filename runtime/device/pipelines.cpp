@@ -52,7 +52,8 @@ constexpr std::array kVariantEntries = {VkSpecializationMapEntry{0, offsetof(Pas
                                         VkSpecializationMapEntry{5, offsetof(PassVariant, check_access), 4},
                                         VkSpecializationMapEntry{6, offsetof(PassVariant, stack_shared), 4},
                                         VkSpecializationMapEntry{7, offsetof(PassVariant, trace_width), 4},
-                                        VkSpecializationMapEntry{8, offsetof(PassVariant, any_hit), 4}};
+                                        VkSpecializationMapEntry{8, offsetof(PassVariant, any_hit), 4},
+                                        VkSpecializationMapEntry{9, offsetof(PassVariant, step_limit), 4}};
 
 VkSpecializationInfo specialization(const PassVariant& variant) {
   return {static_cast<std::uint32_t>(kVariantEntries.size()), kVariantEntries.data(), sizeof(variant), &variant};

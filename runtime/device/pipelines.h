@@ -22,7 +22,8 @@ struct PassVariant {
   std::uint32_t check_access = 0;  // 1: count reads outside the traced pages (page_fetch.glsl)
   std::uint32_t stack_shared = 0;
   std::uint32_t trace_width = 64;
-  std::uint32_t any_hit = 0;  // 1: rays of the queue end at any hit (ray_queue.glsl)
+  std::uint32_t any_hit = 0;       // 1: rays of the queue end at any hit (ray_queue.glsl)
+  std::int32_t step_limit = 1900;  // nodes that a ray may visit: see TraceLimits
 };
 
 class PassLayout {

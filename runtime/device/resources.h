@@ -40,13 +40,15 @@ class Buffer {
   VkBuffer buffer_ = VK_NULL_HANDLE;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
   VkDeviceSize bytes_ = 0;
+  VkDeviceSize allocated_bytes_ = 0;
   std::byte* mapped_ = nullptr;
 };
 
-// A whole buffer as a texel buffer; the buffer must outlive it.
+// A buffer, or its first bytes, as a texel buffer; the buffer must outlive it.
 class BufferView {
  public:
-  static Result<BufferView> create(const Device& device, const Buffer& buffer, VkFormat format);
+  static Result<BufferView> create(const Device& device, const Buffer& buffer, VkFormat format,
+                                   VkDeviceSize bytes = VK_WHOLE_SIZE);
   BufferView() = default;
   BufferView(BufferView&& other) noexcept { swap(other); }
   BufferView& operator=(BufferView&& other) noexcept {
@@ -89,6 +91,7 @@ class Image {
   VkImage image_ = VK_NULL_HANDLE;
   VkImageView view_ = VK_NULL_HANDLE;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  VkDeviceSize allocated_bytes_ = 0;
 };
 
 }  // namespace zc
