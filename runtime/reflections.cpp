@@ -71,7 +71,8 @@ Status Reflections::create_buffers(std::span<const gpu::MaterialEntry> materials
   ZC_ASSIGN(pixels_, Buffer::create(device_, pixels * 4, kStorage, MemoryUse::kDevice));
   TraceQueueOptions queue;
   queue.max_rays = static_cast<std::uint32_t>(pixels);
-  queue.limits = trace_limits(device_, options_.page_depth, zones_.top_depth_bound());
+  queue.limits =
+      trace_limits(device_, options_.page_depth, zones_.top_depth_bound(), zones_.all_as_texels(), options_.step_limit);
   queue.variant = options_.trace;
   queue.check_access = options_.check_access;
   ZC_TRY(queue_.create(queue));

@@ -34,10 +34,11 @@ struct ReflectionsOptions {
   std::uint32_t screen_steps = 256;
   std::uint32_t page_depth = gpu::kPageMaxDepth;  // deepest page of the world: NodeRecord::bvh_depth
   TraceVariant trace;                             // where it is not supported: nearest_fit()
-  std::uint32_t frames_in_flight = 2;             // at most kMaxFramesInFlight
-  bool statistics = false;                        // time the passes and read the counters back; see report()
-  bool general = false;       // schedule every pass, whatever the scene needs: to measure what that costs
-  bool check_access = false;  // count reads outside the traced pages, and divert them: for tests
+  std::uint32_t step_limit = 0;        // nodes that a ray may visit before it is lost; 0: step_limit() of the device
+  std::uint32_t frames_in_flight = 2;  // at most kMaxFramesInFlight
+  bool statistics = false;             // time the passes and read the counters back; see report()
+  bool general = false;                // schedule every pass, whatever the scene needs: to measure what that costs
+  bool check_access = false;           // count reads outside the traced pages, and divert them: for tests
   // Pixels are classified by a thread each; none: where the device is a GPU.
   std::optional<bool> thread_per_pixel = {};
 };

@@ -22,7 +22,8 @@ Status Tracer::create(const TracerOptions& options) {
   kernels_ = options.kernels;
   TraceQueueOptions queue;
   queue.max_rays = options.max_rays;
-  queue.limits = trace_limits(device_, options.page_depth, zones_.top_depth_bound());
+  queue.limits =
+      trace_limits(device_, options.page_depth, zones_.top_depth_bound(), zones_.all_as_texels(), options.step_limit);
   queue.variant = options.trace;
   queue.check_access = options.check_access;
   queue.kernels = options.kernels;
@@ -72,9 +73,9 @@ Result<std::vector<TracedHit>> Tracer::trace(const FrameCamera& camera, std::spa
   std::memcpy(&counters_, transfer_.mapped().data() + hit_bytes, sizeof(counters_));
   std::vector<TracedHit> hits(rays.size());
   for (std::size_t i = 0; i < hits.size(); ++i) {
-    gpu::HitRecord record;
-    std::memcpy(&record, transfer_.mapped().data() + i * sizeof record, sizeof record);
-    hits[i] = {record.t, record.pixel, record.triangle};
+    gpu::ResolvedHit hit;
+    std::memcpy(&hit, transfer_.mapped().data() + i * sizeof hit, sizeof hit);
+    hits[i] = {hit.t, hit.page_word, hit.triangle};
   }
   return hits;
 }

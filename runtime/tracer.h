@@ -22,6 +22,7 @@ struct TracerOptions {
   std::uint32_t max_rays = 0;                     // at once
   std::uint32_t page_depth = gpu::kPageMaxDepth;  // deepest page that will be traced
   TraceVariant trace;                             // where it is not supported: nearest_fit()
+  std::uint32_t step_limit = 0;                   // see ReflectionsOptions
   bool check_access = false;                      // count reads outside the traced pages, and divert them
   LayoutKernels kernels = {};
 };

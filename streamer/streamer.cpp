@@ -16,6 +16,7 @@
 #include "streamer/paging/page_loader.h"
 #include "streamer/paging/page_pool.h"
 #include "streamer/paging/pager_state.h"
+#include "streamer/paging/shown_pages.h"
 #include "streamer/paging/zeroed_array.h"
 #include "streamer/source/index_file.h"
 #include "streamer/source/retry.h"
@@ -48,6 +49,7 @@ class Streamer::Impl {
         nodes_(index_.nodes.size()),
         marks_(index_.nodes.size()),
         pool_(index_, sink, plan.pool_bytes / 4, plan.pages),
+        shown_(index_, pool_, options.tolerance, plan.pages),
         prefetch_(index_, plan.pages) {
     // Reserved to their largest, so that none ever grows beyond what the ledger counts.
     used_.reserve(plan.pages);
@@ -59,7 +61,7 @@ class Streamer::Impl {
 
   Status start() {
     reserve_fixed();
-    ZC_TRY(sink_.create(plan_.pool_bytes / 4));
+    ZC_TRY(sink_.create(plan_.pool_bytes / 4, plan_.pages));
     const NodeRecord& root = index_.nodes[0];
     const std::optional<Reservation> compressed = ledger_->try_reserve(LedgerClass::kInFlight, compressed_bytes(root));
     const std::optional<Reservation> decoded = ledger_->try_reserve(LedgerClass::kDecoded, root.page_bytes);
@@ -72,7 +74,7 @@ class Streamer::Impl {
     stats_.bytes_read += compressed_bytes(root);
     marks_[0] = kMarkSelected;
     marked_.assign(1, 0);
-    pool_.update_rendered_cut();
+    ZC_TRY(show(ErrorMeter(index_, {})));
     workers_ = std::make_unique<LoadWorkers>(source_, index_, std::min(options_.threads, options_.max_in_flight),
                                              plan_.scratch_bytes);
     return {};
@@ -97,8 +99,8 @@ class Streamer::Impl {
       any = issue();
       ZC_TRY(complete(any));
     } while (any);
-    pool_.update_rendered_cut();
-    show_frame();
+    ZC_TRY(show(*error_now_));
+    report_frame();
     count_frame(views);
     return {};
   }
@@ -107,6 +109,8 @@ class Streamer::Impl {
     StreamerStatistics out = stats_;
     out.cap_bytes = options_.cap_bytes;
     out.pool_bytes = plan_.pool_bytes;
+    out.buffer_limit_bytes = sink_.costs().buffer_limit_bytes;
+    out.pool_limited_by_sink = plan_.pool_limited_by_sink;
     out.ledger = ledger_->total();
     for (std::size_t c = 0; c < kLedgerClassCount; ++c)
       out.ledger_classes[c] = ledger_->use(static_cast<LedgerClass>(c));
@@ -423,9 +427,14 @@ class Streamer::Impl {
     events_.record(frame_, EventKind::kEvict, n);
   }
 
+  Status show(const ErrorMeter& error_now) {
+    pool_.update_rendered_cut();
+    return shown_.update(error_now) ? sink_.show(shown_.pages()) : Status{};
+  }
+
   // --- what is counted ---
 
-  void show_frame() {
+  void report_frame() {
     if (observers_.empty()) return;
     used_.clear();
     std::copy_if(selection_.nodes.begin(), selection_.nodes.end(), std::back_inserter(used_),
@@ -465,6 +474,7 @@ class Streamer::Impl {
   std::vector<std::uint32_t> marked_;
   Selection selection_;
   PagePool pool_;
+  ShownPages shown_;
   std::vector<Eviction> evictions_;
   bool evictions_valid_ = false;
 
@@ -491,7 +501,7 @@ class Streamer::Impl {
 
 Result<std::unique_ptr<Streamer>> Streamer::open(Source& source, const StreamerOptions& options, PageSink& sink) {
   ZC_ASSIGN(WorldIndex index, read_world_index(source, {}, index_limit_bytes(options.cap_bytes)));
-  ZC_ASSIGN(const MemoryPlan plan, plan_memory(index, options, source.held_bytes()));
+  ZC_ASSIGN(const MemoryPlan plan, plan_memory(index, options, source.held_bytes(), sink.costs()));
   auto ledger = std::make_unique<Ledger>(options.cap_bytes);
   {
     // A source behind a network held both a moment ago: the plan has made sure that this is under the cap, and it shows

@@ -53,25 +53,25 @@ TopLevelRow make_row(std::string engine, std::vector<double> times) {
 }
 
 // One zone is missing each time, another one than before.
-Result<TopLevelRow> time_set_zones(std::span<const RootPage> pages, std::span<const std::uint32_t> words,
-                                   std::uint32_t pool_words, const TopLevelBenchOptions& options) {
+Result<TopLevelRow> time_show(std::span<const RootPage> pages, std::span<const std::uint32_t> words,
+                              std::uint32_t pool_words, const TopLevelBenchOptions& options) {
   DeviceOptions wanted;
   wanted.name = options.device;
   ZC_ASSIGN(const std::unique_ptr<Device> device, Device::create(wanted));
   ZoneSet set(*device);
   ZC_TRY(set.create(pool_words, static_cast<std::uint32_t>(pages.size())));
   for (std::size_t i = 0; i < pages.size(); ++i) ZC_TRY(set.upload(words[i], pages[i]));
-  std::vector<gpu::ZoneEntry> zones;
+  std::vector<ShownPage> zones;
   std::vector<double> times;
   for (unsigned r = 0; r < options.repeat; ++r) {
     zones.clear();
     for (std::size_t i = 0; i < pages.size(); ++i)
-      if (pages.size() == 1 || i != r * 7 % pages.size()) zones.push_back({0, 0, 0, 0, words[i], 0, 0, 0});
+      if (pages.size() == 1 || i != r * 7 % pages.size()) zones.push_back({words[i], 0, false});
     const Stopwatch watch;
-    ZC_TRY(set.set_zones(zones));
+    ZC_TRY(set.show(zones));
     times.push_back(watch.ms());
   }
-  return make_row("set_zones", std::move(times));
+  return make_row("show", std::move(times));
 }
 
 }  // namespace
@@ -160,13 +160,13 @@ Result<TopLevelReport> run_top_level_bench(std::string scene, std::span<const Ro
   report.depth = top.depth();
   report.cost = top_level_cost(top.nodes(), traced, at);
   report.rows.push_back(make_row("top_level", std::move(times)));
-  Result<TopLevelRow> set_zones = time_set_zones(pages, words, at, options);
-  if (set_zones) {
-    report.rows.push_back(*std::move(set_zones));
+  Result<TopLevelRow> show = time_show(pages, words, at, options);
+  if (show) {
+    report.rows.push_back(*std::move(show));
   } else if (!options.device.empty()) {
-    return std::move(set_zones).error();
+    return std::move(show).error();
   } else {
-    report.left_out.push_back("set_zones: " + set_zones.error().describe());
+    report.left_out.push_back("show: " + show.error().describe());
   }
   return report;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What it costs to rebuild the top level when residency changes: the build alone, and ZoneSet::set_zones with its
+// What it costs to rebuild the top level when residency changes: the build alone, and ZoneSet::show with its
 // look-ups and uploads.
 // Units: milliseconds; cost as below. Borrows what it is given. Threads: one at a time. Deterministic but for the
 // times. Fails when a page of the world cannot be loaded, when it has none, or when the driver refuses.

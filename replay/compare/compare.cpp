@@ -13,12 +13,14 @@
 #include "base/file.h"
 #include "replay/compare/compare_sheet.h"
 #include "replay/compare/level_source.h"
+#include "replay/host/zone_draws.h"
 #include "replay/image/flip.h"
 #include "replay/session/render_setup.h"
 #include "replay/session/world_tour.h"
-#include "replay/session/zone_table.h"
+#include "runtime/scene/zone_set.h"
 #include "streamer/open_source.h"
 #include "streamer/source/index_file.h"
+#include "streamer/streamer.h"
 
 namespace zc {
 namespace {
@@ -111,18 +113,14 @@ class LevelView {
     auto view = std::make_unique<LevelView>();
     if (level.cut) view->cut_.emplace(whole, *level.cut);
     Source& source = level.cut ? *view->cut_ : whole;
-    const auto max_zones = static_cast<std::uint32_t>(index.nodes.size());
     view->zones_.emplace(device);
-    view->sink_.emplace(*view->zones_, max_zones);
     StreamerOptions paging;
     paging.cap_bytes = options.budget_bytes;
-    paging.pool_limit_bytes = std::min<std::uint64_t>(paging.pool_limit_bytes, device.limits().maxStorageBufferRange);
     paging.threads = options.threads;
     paging.tolerance = level.tolerance;
     paging.include_detail = level.detail;
     paging.settle = true;
-    ZC_ASSIGN(view->streamer_, Streamer::open(source, paging, *view->sink_));
-    view->table_.emplace(*view->streamer_, *view->zones_, level.tolerance);
+    ZC_ASSIGN(view->streamer_, Streamer::open(source, paging, *view->zones_));
     HostOptions renderer = options.renderer;
     renderer.reflections = ReflectionMode::kNone;
     set_sun(renderer, index, options.sun);
@@ -138,9 +136,8 @@ class LevelView {
     ZC_ASSIGN(const FrameCamera camera, make_camera(streamer_->index(), sample));
     const View view{sample.eye};
     ZC_TRY(streamer_->advance(std::span(&view, 1), time_s));
-    ZC_TRY(table_->update(view));
     const std::vector<ZoneDraw> draws =
-        table_->draws(camera, static_cast<double>(options.width) / options.height, true);
+        zone_draws(*zones_, streamer_->index(), camera, static_cast<double>(options.width) / options.height, true);
     for (const ZoneDraw& draw : draws) triangles += draw.triangle_count;
     ZC_ASSIGN([[maybe_unused]] const FrameResult drawn, renderer_->render(camera, draws));
     return picture_of(*renderer_, options);
@@ -152,9 +149,7 @@ class LevelView {
  private:
   std::optional<LevelSource> cut_;
   std::optional<ZoneSet> zones_;
-  std::optional<GpuPageSink> sink_;
   std::unique_ptr<Streamer> streamer_;
-  std::optional<ZoneTable> table_;
   std::unique_ptr<StandInHost> renderer_;
 };
 

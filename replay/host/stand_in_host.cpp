@@ -92,6 +92,7 @@ Status StandInHost::create_reflections() {
   r.screen_steps = options_.screen_steps;
   r.page_depth = options_.page_depth;
   r.trace = options_.trace;
+  r.step_limit = options_.step_limit;
   r.frames_in_flight = 1;  // every frame is waited for and read back
   r.statistics = true;
   r.general = options_.leave_nothing_out;
@@ -103,9 +104,11 @@ Status StandInHost::create_reflections() {
 
 Status StandInHost::create_programs() {
   Constants constants{};
-  constants[kConstantStackSize] =
-      trace_limits(device_, options_.page_depth, full_detail_.top_depth_bound()).stack_entries;
-  constants[kConstantPoolPath] = trace_variant().pool_path;
+  const TraceLimits limits = trace_limits(device_, options_.page_depth, full_detail_.top_depth_bound(),
+                                          full_detail_.all_as_texels(), options_.step_limit);
+  constants[kConstantStackSize] = limits.stack_entries;
+  constants[kConstantStepLimit] = limits.steps;
+  constants[kConstantPoolPath] = nearest_fit(trace_variant(), limits).pool_path;
   constants[kConstantCheckAccess] = options_.check_access ? 1 : 0;
   ZC_ASSIGN(light_, programs_.compute("light_surfaces", shader::light_surfaces(), constants));
   ZC_ASSIGN(composite_, programs_.compute("composite_frame", shader::composite_frame(), constants));

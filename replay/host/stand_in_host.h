@@ -40,6 +40,7 @@ struct HostOptions {
   std::uint32_t page_depth = gpu::kPageMaxDepth;  // deepest page that will be traced
   TraceVariant trace;                             // where it is not supported: nearest_fit()
   bool leave_nothing_out = false;                 // schedule every pass of the reflections
+  std::uint32_t step_limit = 0;                   // see ReflectionsOptions
   bool check_access = false;                      // see ReflectionsOptions
 };
 

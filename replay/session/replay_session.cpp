@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "base/file.h"
+#include "replay/host/zone_draws.h"
 #include "replay/image/png_file.h"
 #include "replay/session/frame_log.h"
 #include "replay/session/process_memory.h"
@@ -18,11 +19,10 @@
 #include "replay/session/trace_file.h"
 #include "replay/session/variant_cache.h"
 #include "replay/session/world_tour.h"
-#include "replay/session/zone_table.h"
+#include "runtime/scene/zone_set.h"
 #include "streamer/open_source.h"
 #include "streamer/paging/heap_page_sink.h"
 #include "streamer/paging/look_ahead.h"
-#include "streamer/source/index_file.h"
 #include "streamer/statistics/belady.h"
 
 namespace zc {
@@ -64,9 +64,7 @@ double median(std::vector<double>& values) {
 struct Drawing {
   std::unique_ptr<Device> device;
   std::optional<ZoneSet> proxies, host;
-  std::optional<GpuPageSink> proxy_sink, host_sink;
   std::unique_ptr<Streamer> host_streamer;
-  std::optional<ZoneTable> proxy_table, host_table;
   std::unique_ptr<StandInHost> renderer;
 };
 
@@ -116,23 +114,16 @@ class Session {
       ZC_ASSIGN(streamer_, in_world(Streamer::open(*source_, paging, heap_sink_)));
       return {};
     }
-    ZC_ASSIGN(const WorldIndex index, read_world_index(*source_, options_.world));
-    const auto max_zones = static_cast<std::uint32_t>(index.nodes.size());
-    const std::uint64_t pool_limit = drawing_.device->limits().maxStorageBufferRange;
-    drawing_.proxy_sink.emplace(*drawing_.proxies, max_zones);
-    drawing_.host_sink.emplace(*drawing_.host, max_zones);
-    paging.pool_limit_bytes = std::min(paging.pool_limit_bytes, pool_limit);
-    ZC_ASSIGN(streamer_, in_world(Streamer::open(*source_, paging, *drawing_.proxy_sink)));
+    ZC_ASSIGN(streamer_, in_world(Streamer::open(*source_, paging, *drawing_.proxies)));
 
     // The host's own scene: full detail at once, whatever the modelled source does to the reflections' pages.
     StreamerOptions host;
     host.cap_bytes = options_.host_budget_bytes;
-    host.pool_limit_bytes = std::min(host.pool_limit_bytes, pool_limit);
     host.threads = options_.streamer.threads;
     host.tolerance = kHostTolerance;
     host.include_detail = true;
     host.on_failure = options_.on_failure;
-    auto host_streamer = in_world(Streamer::open(*source_, host, *drawing_.host_sink));
+    auto host_streamer = in_world(Streamer::open(*source_, host, *drawing_.host));
     if (!host_streamer) {
       Error error = std::move(host_streamer).error();
       if (error.code == ErrorCode::kBudget) error.message = "--host-budget: " + error.message;
@@ -140,8 +131,7 @@ class Session {
     }
     drawing_.host_streamer = std::move(host_streamer).value();
 
-    drawing_.proxy_table.emplace(*streamer_, *drawing_.proxies, options_.streamer.tolerance);
-    drawing_.host_table.emplace(*drawing_.host_streamer, *drawing_.host, 0.0);
+    const WorldIndex& index = streamer_->index();
     const std::vector<gpu::MaterialEntry> materials = material_entries(index);
     mirrors_ = std::ranges::any_of(
         index.materials, [&](const MaterialRecord& m) { return m.roughness < options_.renderer.roughness_cut; });
@@ -160,7 +150,8 @@ class Session {
 
   // Those to begin with; the choice is final unless there is something to measure.
   void pick_kernels(HostOptions& renderer) {
-    const TraceLimits limits = trace_limits(*drawing_.device, renderer.page_depth, drawing_.proxies->top_depth_bound());
+    const TraceLimits limits = trace_limits(*drawing_.device, renderer.page_depth, drawing_.proxies->top_depth_bound(),
+                                            drawing_.proxies->all_as_texels());
     report_.trace_variant_origin = "fixed";
     if (options_.kernel != KernelChoice::kFixed) {
       std::optional<TraceVariant> cached;
@@ -339,13 +330,10 @@ class Session {
 
   Result<FrameResult> draw_camera(const CameraSample& sample, std::size_t which, std::uint64_t frame, bool sheet) {
     ZC_ASSIGN(const FrameCamera camera, make_camera(streamer_->index(), sample));
-    const View view{sample.eye};
-    ZC_TRY(drawing_.host_table->update(view));
-    ZC_TRY(drawing_.proxy_table->update(view));
     const double aspect = static_cast<double>(options_.renderer.width) / options_.renderer.height;
-    ZC_ASSIGN(
-        const FrameResult result,
-        drawing_.renderer->render(camera, drawing_.host_table->draws(camera, aspect, !options_.leave_nothing_out)));
+    const std::vector<ZoneDraw> draws =
+        zone_draws(*drawing_.host, streamer_->index(), camera, aspect, !options_.leave_nothing_out);
+    ZC_ASSIGN(const FrameResult result, drawing_.renderer->render(camera, draws));
     const gpu::Counters& c = result.counters;
     report_.rays.screen += c.rays_screen;
     report_.rays.proxy += c.rays_proxy;
@@ -370,7 +358,8 @@ class Session {
     const std::string file = sample.name.empty() ? std::string(number) : sample.name + ".png";
     ZC_TRY(save(out / "frames" / file, options_.contact_sheet && sheet));
     for (const DebugView debug : options_.debug_views) {
-      ZC_TRY(drawing_.renderer->draw_debug(debug, drawing_.proxy_table->draws(camera, aspect, true)));
+      ZC_TRY(drawing_.renderer->draw_debug(debug,
+                                           zone_draws(*drawing_.proxies, streamer_->index(), camera, aspect, true)));
       ZC_TRY(save(out / debug_name(debug) / file, false));
     }
     return {};
@@ -393,6 +382,13 @@ class Session {
     return {};
   }
 
+  void report_pool_limit(const std::string& set, const StreamerStatistics& paging) {
+    if (!paging.pool_limited_by_sink) return;
+    report_.left_out.push_back(set + "pages beyond " + std::to_string(paging.pool_bytes) +
+                               " bytes: the device binds buffers of at most " +
+                               std::to_string(paging.buffer_limit_bytes));
+  }
+
   Result<ReplayReport> finish() {
     report_.streaming = streamer_->statistics();
     report_.source = source_->statistics();
@@ -400,7 +396,9 @@ class Session {
     report_.peak_rss_bytes = std::max(peak_rss_, peak_resident_set_bytes());
     for (std::size_t i = 0; i < kPassCount; ++i) report_.pass_ms[i] = median(pass_samples_[i]);
     report_.total_ms = median(total_samples_);
+    report_pool_limit("", report_.streaming);
     if (options_.render) {
+      report_pool_limit("full detail: ", drawing_.host_streamer->statistics());
       report_.host_bytes = drawing_.host_streamer->statistics().ledger.peak_bytes;
       report_.validation_messages = drawing_.device->validation_messages();
       report_.trace_variant = trace_variant_name(drawing_.renderer->trace_variant());
@@ -425,7 +423,7 @@ class Session {
   std::vector<CameraPath> paths_;
   ReplayReport report_;
   std::unique_ptr<Source> source_;
-  HeapPageSink heap_sink_;
+  HeapPageSink heap_sink_{ZoneSet::costs_anywhere()};  // what is paged does not depend on whether it is drawn
   Drawing drawing_;
   std::unique_ptr<TraceFile> trace_;
   SelectionTrace selections_{kTraceMostWords};

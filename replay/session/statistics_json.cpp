@@ -16,6 +16,8 @@ nlohmann::ordered_json statistics_json(const ReplayReport& report) {
   nlohmann::ordered_json summary;
   summary["frames"] = s.frames;
   summary["cap_bytes"] = s.cap_bytes;
+  summary["pool_bytes"] = s.pool_bytes;
+  summary["pool_limited_by_device"] = s.pool_limited_by_sink;
   summary["peak_ledger_bytes"] = s.ledger.peak_bytes;
   summary["frames_over_cap"] = s.frames_over_cap;
   summary["peak_rss_bytes"] = report.peak_rss_bytes;

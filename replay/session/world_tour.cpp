@@ -12,8 +12,8 @@
 #include <numbers>
 #include <vector>
 
+#include "replay/host/zone_draws.h"
 #include "replay/session/render_setup.h"
-#include "replay/session/zone_table.h"
 #include "streamer/paging/page_loader.h"
 #include "streamer/world_format/page_view.h"
 

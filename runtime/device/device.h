@@ -7,7 +7,7 @@
 
 #include <vulkan/vulkan.h>
 
-#include <atomic>
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -68,11 +68,14 @@ class Device {
   [[nodiscard]] std::uint64_t validation_messages() const { return validation_messages_; }
 
   [[nodiscard]] VkPipelineCache pipeline_cache() const { return pipeline_cache_; }
-  // Of all Buffers and Images that were created on it, as the driver was asked for them.
+  // Memory that buffers and images took of it: now, and at most so far.
   [[nodiscard]] std::uint64_t allocated_bytes() const { return allocated_bytes_; }
-  void count_allocation(std::int64_t bytes) const {  // by Buffer and Image: logically const, they see it so
-    allocated_bytes_ += static_cast<std::uint64_t>(bytes);
+  [[nodiscard]] std::uint64_t peak_allocated_bytes() const { return peak_allocated_bytes_; }
+  void count_allocation(std::uint64_t bytes) const {
+    allocated_bytes_ += bytes;
+    peak_allocated_bytes_ = std::max(peak_allocated_bytes_, allocated_bytes_);
   }
+  void count_free(std::uint64_t bytes) const { allocated_bytes_ -= bytes; }
 
   // Records commands, submits them and waits until they are done.
   Status run(const std::function<void(VkCommandBuffer)>& record);
@@ -111,7 +114,6 @@ class Device {
   VkFence fence_ = VK_NULL_HANDLE;
   VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
   std::filesystem::path pipeline_cache_file_;
-  mutable std::atomic<std::uint64_t> allocated_bytes_ = 0;
   VkPhysicalDeviceProperties properties_ = {};
   VkPhysicalDeviceMemoryProperties memory_ = {};
   std::uint32_t subgroup_size_ = 0;
@@ -121,6 +123,8 @@ class Device {
   std::uint32_t min_subgroup_size_ = 0;
   std::uint32_t max_subgroup_size_ = 0;
   std::uint64_t validation_messages_ = 0;
+  mutable std::uint64_t allocated_bytes_ = 0;
+  mutable std::uint64_t peak_allocated_bytes_ = 0;
 };
 
 }  // namespace zc

@@ -33,8 +33,7 @@ Result<Buffer> Buffer::create(const Device& device, VkDeviceSize bytes, VkBuffer
   if ((usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) != 0) allocate.pNext = &addressed;
   ZC_ASSIGN(allocate.memoryTypeIndex, device.memory_type(needs.memoryTypeBits, required, preferred));
   ZC_VK(vkAllocateMemory(device.handle(), &allocate, nullptr, &buffer.memory_));
-  buffer.allocated_bytes_ = allocate.allocationSize;
-  device.count_allocation(static_cast<std::int64_t>(buffer.allocated_bytes_));
+  device.count_allocation(buffer.allocated_bytes_ = needs.size);
   ZC_VK(vkBindBufferMemory(device.handle(), buffer.buffer_, buffer.memory_, 0));
   if ((device.memory_flags(allocate.memoryTypeIndex) & mappable) == mappable) {
     void* address = nullptr;
@@ -57,14 +56,14 @@ Buffer::~Buffer() {
   if (device_ == nullptr) return;
   vkDestroyBuffer(device_->handle(), buffer_, nullptr);
   vkFreeMemory(device_->handle(), memory_, nullptr);
-  device_->count_allocation(-static_cast<std::int64_t>(allocated_bytes_));
+  device_->count_free(allocated_bytes_);
 }
 
-Result<BufferView> BufferView::create(const Device& device, const Buffer& buffer, VkFormat format) {
+Result<BufferView> BufferView::create(const Device& device, const Buffer& buffer, VkFormat format, VkDeviceSize bytes) {
   VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
   info.buffer = buffer.handle();
   info.format = format;
-  info.range = VK_WHOLE_SIZE;
+  info.range = bytes;
   BufferView view;
   view.device_ = &device;
   ZC_VK(vkCreateBufferView(device.handle(), &info, nullptr, &view.view_));
@@ -100,8 +99,7 @@ Result<Image> Image::create(const Device& device, std::uint32_t width, std::uint
   allocate.allocationSize = needs.size;
   ZC_ASSIGN(allocate.memoryTypeIndex, device.memory_type(needs.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0));
   ZC_VK(vkAllocateMemory(device.handle(), &allocate, nullptr, &image.memory_));
-  image.allocated_bytes_ = allocate.allocationSize;
-  device.count_allocation(static_cast<std::int64_t>(image.allocated_bytes_));
+  device.count_allocation(image.allocated_bytes_ = needs.size);
   ZC_VK(vkBindImageMemory(device.handle(), image.image_, image.memory_, 0));
   VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
   view.image = image.image_;
@@ -125,7 +123,7 @@ Image::~Image() {
   vkDestroyImageView(device_->handle(), view_, nullptr);
   vkDestroyImage(device_->handle(), image_, nullptr);
   vkFreeMemory(device_->handle(), memory_, nullptr);
-  device_->count_allocation(-static_cast<std::int64_t>(allocated_bytes_));
+  device_->count_free(allocated_bytes_);
 }
 
 }  // namespace zc

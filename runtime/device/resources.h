@@ -44,10 +44,11 @@ class Buffer {
   std::byte* mapped_ = nullptr;
 };
 
-// A whole buffer as a texel buffer; the buffer must outlive it.
+// A buffer, or its first bytes, as a texel buffer; the buffer must outlive it.
 class BufferView {
  public:
-  static Result<BufferView> create(const Device& device, const Buffer& buffer, VkFormat format);
+  static Result<BufferView> create(const Device& device, const Buffer& buffer, VkFormat format,
+                                   VkDeviceSize bytes = VK_WHOLE_SIZE);
   BufferView() = default;
   BufferView(BufferView&& other) noexcept { swap(other); }
   BufferView& operator=(BufferView&& other) noexcept {

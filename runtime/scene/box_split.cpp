@@ -29,6 +29,15 @@ FloatBox BoxSplit::bounds(std::span<const std::uint32_t> numbers) const {
   return all;
 }
 
+void BoxSplit::reserve(std::size_t boxes) {
+  boxes_.reserve(boxes);
+  centers_.reserve(boxes);
+  bins_.reserve(boxes);
+  marks_.reserve(boxes);
+  kept_.reserve(boxes);
+  keys_.reserve(boxes);
+}
+
 void BoxSplit::begin(std::span<const NodeBox> boxes) {
   boxes_.resize(boxes.size());
   centers_.resize(boxes.size());

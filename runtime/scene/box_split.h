@@ -37,6 +37,8 @@ class BoxSplit {
  public:
   // Numbers below are places in `boxes`.
   void begin(std::span<const NodeBox> boxes);
+  // Takes memory for so many boxes at once: kBytesPerBox each, and no more as long as there are no more.
+  void reserve(std::size_t boxes);
 
   struct Halves {
     std::size_t first;  // how many belong to the first half
@@ -67,12 +69,18 @@ class BoxSplit {
   // Those with a mark of at most `last` first.
   std::size_t arrange(std::span<std::uint32_t> numbers, std::uint32_t last);
 
+  using Bins = std::array<std::int32_t, 4>;
+
   std::vector<FloatBox> boxes_;
-  std::vector<Lanes> centers_;                     // doubled
-  std::vector<std::array<std::int32_t, 4>> bins_;  // by place in the set being split, per axis
-  std::vector<std::uint32_t> marks_;               // the same, of the axis that was chosen
+  std::vector<Lanes> centers_;        // doubled
+  std::vector<Bins> bins_;            // by place in the set being split, per axis
+  std::vector<std::uint32_t> marks_;  // the same, of the axis that was chosen
   std::vector<std::uint32_t> kept_;
   std::vector<Key> keys_;
+
+ public:
+  static constexpr std::uint64_t kBytesPerBox =
+      sizeof(FloatBox) + sizeof(Lanes) + sizeof(Bins) + 2 * sizeof(std::uint32_t) + sizeof(Key);
 };
 
 }  // namespace zc

@@ -8,11 +8,8 @@
 #include "base/check.h"
 
 namespace zc {
-namespace {
 
-NodeBox bounds(const gpu::PageNode& node) { return bounds_of_slots(node, inner_mask(node) | leaf_mask(node)); }
-
-}  // namespace
+NodeBox node_bounds(const gpu::PageNode& node) { return bounds_of_slots(node, inner_mask(node) | leaf_mask(node)); }
 
 PageRoot page_root(std::span<const std::uint32_t> page) {
   ZC_CHECK(page.size() >= gpu::kPageHeaderWords + gpu::kPageNodeWords);
@@ -26,10 +23,8 @@ PageRoot page_root(std::span<const std::uint32_t> page) {
   const std::size_t at = gpu::kPageHeaderWords + std::size_t{out.root.child_offset};
   ZC_CHECK(out.child_count == 0 || at + out.child_count * gpu::kPageNodeWords <= page.size());
   if (out.child_count > 0) std::memcpy(out.children.data(), page.data() + at, out.child_count * sizeof(gpu::PageNode));
-  out.box = bounds(out.root);
-  out.leaf_box = bounds_of_slots(out.root, leaf_mask(out.root));
+  out.box = node_bounds(out.root);
   out.half_area = static_cast<float>(out.box.half_area());
-  for (std::size_t c = 0; c < out.child_count; ++c) out.child_boxes[c] = bounds(out.children[c]);
   return out;
 }
 

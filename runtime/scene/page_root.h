@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the top level needs of a page, taken once, when the page is uploaded, so that a rebuild reads no page and works
-// out no box twice.
+// What the top level needs of a page, taken once, when the page is uploaded, so that a rebuild reads no page.
 // The page is one that verify_page passed. Thread-safe: no state.
 #pragma once
 
@@ -18,10 +17,12 @@ struct PageRoot {
   std::uint32_t child_count = 0;
   std::uint32_t depth = 1;  // nodes on the page's longest path
   std::uint32_t triangle_count = 0;
-  float half_area = 0;    // of `box`
-  NodeBox box, leaf_box;  // of all that is in the root, and of its own triangles
-  std::array<NodeBox, gpu::kNodeWidth> child_boxes{};
+  float half_area = 0;  // of `box`
+  NodeBox box;          // of all that is in the root
 };
+
+// Of all that is in a node.
+NodeBox node_bounds(const gpu::PageNode& node);
 
 PageRoot page_root(std::span<const std::uint32_t> page);
 

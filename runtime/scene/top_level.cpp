@@ -26,6 +26,16 @@ std::uint32_t top_level_depth_bound(std::uint32_t pages) {
   return depth;
 }
 
+void TopLevelBuilder::reserve(std::uint32_t pages) {
+  const std::size_t items = pages + opened_items(pages);
+  items_.reserve(items);
+  boxes_.reserve(items);
+  order_.reserve(items);
+  split_.reserve(items);
+  by_area_.reserve(pages);
+  nodes_.resize(top_level_node_bound(pages));
+}
+
 void TopLevelBuilder::build(std::span<const TracedPage> pages, std::uint32_t first_word) {
   first_word_ = first_word;
   depth_ = 1;
@@ -60,8 +70,10 @@ void TopLevelBuilder::open_page(const TracedPage& page, std::size_t place) {
   for (std::uint32_t c = 0; c < root.child_count; ++c)
     put_item(c == 0 ? place : items_.size(),
              {&root.children[c], root_word + root.root.child_offset + c * gpu::kPageNodeWords, root.depth - 1},
-             root.child_boxes[c]);
-  if (leaf_mask(root.root) != 0) put_item(items_.size(), {&root.root, root_word, 1, ~(0xFFU << 16)}, root.leaf_box);
+             node_bounds(root.children[c]));
+  if (leaf_mask(root.root) != 0)
+    put_item(items_.size(), {&root.root, root_word, 1, ~(0xFFU << 16)},
+             bounds_of_slots(root.root, leaf_mask(root.root)));
 }
 
 // One item a page, except that the largest roots are opened while there is room.

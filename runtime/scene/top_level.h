@@ -22,13 +22,19 @@ struct TracedPage {
   const PageRoot* root = nullptr;
 };
 
-// Most nodes that a build makes for so many pages, and the deepest top level above the pages' roots.
+// Most nodes that a build makes for so many pages, and the deepest top level above the pages' roots. The first is at
+// most kTopLevelFixedNodes + pages * kTopLevelNodesPerPage.
 std::uint32_t top_level_node_bound(std::uint32_t pages);
+inline constexpr std::uint32_t kTopLevelNodesPerPage = 3;
+inline constexpr std::uint32_t kTopLevelFixedNodes = 2 * gpu::kNodeWidth + 1;
 std::uint32_t top_level_depth_bound(std::uint32_t pages);
 
 // Keeps its memory from one build to the next.
 class TopLevelBuilder {
  public:
+  // Takes the memory of builds of at most so many pages at once: kFixedBytes and kBytesPerPage each.
+  void reserve(std::uint32_t pages);
+
   // first_word: where nodes()[0] will lie in the pool.
   void build(std::span<const TracedPage> pages, std::uint32_t first_word);
 
@@ -76,6 +82,16 @@ class TopLevelBuilder {
   std::vector<gpu::PageNode> nodes_;
   std::uint32_t node_count_ = 0;
   std::uint32_t depth_ = 1;
+
+  static constexpr std::uint64_t kBytesPerItem =
+      sizeof(Item) + sizeof(NodeBox) + sizeof(std::uint32_t) + BoxSplit::kBytesPerBox;
+
+ public:
+  // Items are at most kNodeWidth more than one and a half a page.
+  static constexpr std::uint64_t kFixedBytes =
+      gpu::kNodeWidth * kBytesPerItem + kTopLevelFixedNodes * sizeof(gpu::PageNode);
+  static constexpr std::uint64_t kBytesPerPage =
+      (3 * kBytesPerItem + 1) / 2 + sizeof(std::uint64_t) + kTopLevelNodesPerPage * sizeof(gpu::PageNode);
 };
 
 }  // namespace zc

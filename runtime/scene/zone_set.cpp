@@ -10,7 +10,13 @@
 namespace zc {
 namespace {
 
-constexpr VkDeviceSize kStagingBytes = VkDeviceSize{1} << 20;
+constexpr VkDeviceSize kStagingBytes = VkDeviceSize{64} << 10U;  // two or three pages: it counts against the cap
+// What drivers round the three buffers up by, and allocators the lists, ours and the top-level builder's: blocks of
+// 128 KiB and more to whole pages of 4 KiB, smaller ones to a few words.
+constexpr std::uint64_t kRoundingBytes = 3 * 1024 + 17 * 32;
+constexpr std::uint64_t rounded(std::uint64_t bytes) { return bytes + bytes / 32 + 1; }
+
+constexpr std::uint64_t kNodeBytes = sizeof(gpu::PageNode);
 
 void wait_for_transfer(VkCommandBuffer commands) {
   VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
@@ -29,35 +35,67 @@ void copy(VkCommandBuffer commands, const Buffer& from, VkDeviceSize from_bytes,
 
 }  // namespace
 
-Status ZoneSet::create(std::uint64_t capacity_words, std::uint32_t max_zones) {
-  max_zones_ = max_zones;
-  const VkPhysicalDeviceLimits& limits = device_.limits();
+SinkCosts ZoneSet::costs_anywhere() {
+  constexpr std::uint64_t lists = sizeof(Resident) + sizeof(PageRoot) + sizeof(std::uint32_t) + sizeof(gpu::ZoneEntry) +
+                                  sizeof(std::uint32_t) + sizeof(TracedPage);
+  SinkCosts costs;
+  costs.buffer_fixed_bytes = kTopLevelFixedNodes * kNodeBytes;
+  costs.buffer_bytes_per_page = kTopLevelNodesPerPage * kNodeBytes;
+  costs.fixed_bytes = costs.buffer_fixed_bytes + kStagingBytes + TopLevelBuilder::kFixedBytes + kRoundingBytes;
+  costs.bytes_per_page =
+      costs.buffer_bytes_per_page + sizeof(gpu::ZoneEntry) + rounded(lists + TopLevelBuilder::kBytesPerPage);
+  return costs;
+}
+
+SinkCosts ZoneSet::costs() const {
+  SinkCosts costs = costs_anywhere();
+  costs.buffer_limit_bytes =
+      std::min<std::uint64_t>(device_.limits().maxStorageBufferRange, 4 * std::uint64_t{gpu::kPoolMaxWords});
+  return costs;
+}
+
+Status ZoneSet::create(std::uint64_t capacity_words, std::uint64_t max_pages) {
   const std::uint64_t pages_words =
       (capacity_words + gpu::kPageAlignWords - 1) / gpu::kPageAlignWords * gpu::kPageAlignWords;
-  const std::uint64_t top_words = std::uint64_t{top_level_node_bound(max_zones)} * gpu::kPageNodeWords;
-  const VkDeviceSize bytes = (pages_words + top_words) * 4;
-  if (bytes / 4 > gpu::kPoolMaxWords)
-    return Error{ErrorCode::kUnsupported,
-                 "a page pool of " + std::to_string(bytes) + " bytes, more than hits can number"};
-  if (bytes > limits.maxStorageBufferRange || bytes / 4 > limits.maxTexelBufferElements)
-    return Error{ErrorCode::kDevice, "a page pool of " + std::to_string(bytes) + " bytes is more than " +
-                                         device_.name() + " binds (storage " +
-                                         std::to_string(limits.maxStorageBufferRange) + " bytes, texel buffers " +
-                                         std::to_string(limits.maxTexelBufferElements) + " words)"};
+  const std::uint64_t limit_bytes = costs().buffer_limit_bytes;
+  // Neither overflows below.
+  const bool far_off = pages_words > limit_bytes / 4 || max_pages > limit_bytes / costs().buffer_bytes_per_page;
+  max_pages_ = far_off ? 0 : static_cast<std::uint32_t>(max_pages);
+  const std::uint64_t bytes = 4 * pages_words + kNodeBytes * top_level_node_bound(max_pages_);
+  if (far_off || bytes > limit_bytes)
+    return Error{ErrorCode::kDevice, "a pool of " + std::to_string(pages_words) + " words and " +
+                                         std::to_string(max_pages) + " pages is more than " + device_.name() +
+                                         " binds (" + std::to_string(limit_bytes) + " bytes)"};
+  root_word_ = static_cast<std::uint32_t>(pages_words);
+  ZC_TRY(create_buffers(bytes));
+  residents_.reserve(max_pages_);
+  roots_.resize(max_pages_);
+  free_roots_.resize(max_pages_);
+  for (std::uint32_t i = 0; i < max_pages_; ++i) free_roots_[i] = max_pages_ - 1 - i;
+  entries_.reserve(max_pages_);
+  triangle_counts_.reserve(max_pages_);
+  traced_.reserve(max_pages_);
+  top_.reserve(max_pages_);
+  return show({});
+}
+
+Status ZoneSet::create_buffers(std::uint64_t pool_bytes) {
   constexpr VkBufferUsageFlags usage =
       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
-  const VkDeviceSize zones = std::max<std::uint32_t>(max_zones, 1);
   ZC_ASSIGN(pool_,
-            Buffer::create(device_, bytes, usage | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, MemoryUse::kDevice));
-  ZC_ASSIGN(texels_, BufferView::create(device_, pool_, VK_FORMAT_R32_UINT));
-  ZC_ASSIGN(texels4_, BufferView::create(device_, pool_, VK_FORMAT_R32G32B32A32_UINT));
+            Buffer::create(device_, pool_bytes, usage | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, MemoryUse::kDevice));
+  // Of whole texels; a view of a part is bound, but not read, where the pool is larger.
+  const std::uint64_t texels = std::min<std::uint64_t>(pool_bytes / 4, device_.limits().maxTexelBufferElements) / 4 * 4;
+  all_as_texels_ = 4 * texels == pool_bytes;
+  ZC_ASSIGN(texels_, BufferView::create(device_, pool_, VK_FORMAT_R32_UINT, 4 * texels));
+  ZC_ASSIGN(texels4_, BufferView::create(device_, pool_, VK_FORMAT_R32G32B32A32_UINT, 4 * texels));
+  const VkDeviceSize zones = std::max<std::uint32_t>(max_pages_, 1);
   ZC_ASSIGN(zones_, Buffer::create(device_, zones * sizeof(gpu::ZoneEntry), usage, MemoryUse::kDevice));
-  root_word_ = static_cast<std::uint32_t>(pages_words);
   if (use_staging_ || pool_.mapped().empty() || zones_.mapped().empty()) {
     use_staging_ = true;
     ZC_ASSIGN(staging_, Buffer::create(device_, kStagingBytes, usage, MemoryUse::kUpload));
   }
-  return set_zones({});
+  return {};
 }
 
 Status ZoneSet::write(const Buffer& target, std::uint64_t offset_bytes, std::span<const std::byte> bytes) {
@@ -81,24 +119,36 @@ std::vector<ZoneSet::Resident>::iterator ZoneSet::first_from(std::uint64_t word)
 }
 
 Status ZoneSet::upload(std::uint64_t offset_words, std::span<const std::uint32_t> page) {
-  // Pages that this one overwrites are gone.
-  const auto at = residents_.erase(first_from(offset_words), first_from(offset_words + page.size()));
-  residents_.insert(at, {offset_words, std::make_unique<PageRoot>(page_root(page))});
+  ZC_CHECK(offset_words + page.size() <= root_word_ && !free_roots_.empty());
+  const auto at = first_from(offset_words);
+  ZC_CHECK(at == residents_.end() || at->page_word >= offset_words + page.size());
+  const std::uint32_t root = free_roots_.back();
+  free_roots_.pop_back();
+  roots_[root] = page_root(page);
+  residents_.insert(at, {static_cast<std::uint32_t>(offset_words), root});
+  pages_changed_ = true;
   return write(pool_, offset_words * 4, std::as_bytes(page));
+}
+
+void ZoneSet::remove(std::uint64_t offset_words) {
+  const auto resident = first_from(offset_words);
+  ZC_CHECK(resident != residents_.end() && resident->page_word == offset_words);
+  free_roots_.push_back(resident->root);
+  residents_.erase(resident);
+  pages_changed_ = true;
 }
 
 Status ZoneSet::move(std::uint64_t from_words, std::uint64_t to_words, std::uint64_t count_words) {
   const VkDeviceSize from = from_words * 4;
   const VkDeviceSize to = to_words * 4;
   const VkDeviceSize bytes = count_words * 4;
-  ZC_CHECK(std::max(from, to) + bytes <= pool_.bytes());
-  if (const auto moved = first_from(from_words); moved != residents_.end() && moved->page_word == from_words) {
-    std::unique_ptr<PageRoot> root = std::move(moved->root);
-    residents_.erase(moved);
-    auto at = first_from(to_words);
-    if (at == residents_.end() || at->page_word != to_words) at = residents_.insert(at, {to_words, nullptr});
-    at->root = std::move(root);
-  }
+  ZC_CHECK(std::max(from, to) + bytes <= 4 * VkDeviceSize{root_word_});
+  const auto resident = first_from(from_words);
+  ZC_CHECK(resident != residents_.end() && resident->page_word == from_words);
+  const std::uint32_t root = resident->root;
+  residents_.erase(resident);
+  residents_.insert(first_from(to_words), {static_cast<std::uint32_t>(to_words), root});
+  pages_changed_ = true;
   if (!use_staging_) {
     std::memmove(pool_.mapped().data() + to, pool_.mapped().data() + from, bytes);
     return {};
@@ -115,22 +165,36 @@ Status ZoneSet::move(std::uint64_t from_words, std::uint64_t to_words, std::uint
   });
 }
 
-Status ZoneSet::set_zones(std::span<const gpu::ZoneEntry> zones) {
-  ZC_CHECK(zones.size_bytes() <= zones_.bytes());
+Status ZoneSet::show(std::span<const ShownPage> pages) {
+  ZC_CHECK(pages.size() <= max_pages_);
+  bool same_pages = !pages_changed_ && pages.size() == entries_.size();
+  entries_.resize(pages.size());
+  for (std::size_t i = 0; i < pages.size(); ++i) {
+    const gpu::ZoneEntry entry{static_cast<std::uint32_t>(pages[i].offset_words), pages[i].node,
+                               pages[i].coarse ? gpu::kZoneCoarse : 0};
+    same_pages = same_pages && entries_[i].page_word == entry.page_word;
+    entries_[i] = entry;
+  }
+  if (!same_pages) ZC_TRY(build_top_level());
+  return write(zones_, 0, std::as_bytes(std::span(entries_)));
+}
+
+// Over the pages of the zone table.
+Status ZoneSet::build_top_level() {
   traced_.clear();
   triangle_counts_.clear();
   auto resident = residents_.begin();
-  for (const gpu::ZoneEntry& zone : zones) {
+  for (const gpu::ZoneEntry& zone : entries_) {
     ZC_CHECK(traced_.empty() || traced_.back().page_word < zone.page_word);
     while (resident != residents_.end() && resident->page_word < zone.page_word) ++resident;
     ZC_CHECK(resident != residents_.end() && resident->page_word == zone.page_word);
-    traced_.push_back({zone.page_word, resident->root.get()});
-    triangle_counts_.push_back(resident->root->triangle_count);
+    const PageRoot& root = roots_[resident->root];
+    traced_.push_back({zone.page_word, &root});
+    triangle_counts_.push_back(root.triangle_count);
   }
   top_.build(traced_, root_word_);
-  zone_count_ = static_cast<std::uint32_t>(zones.size());
+  pages_changed_ = false;
   end_word_ = root_word_ + static_cast<std::uint32_t>(top_.nodes().size()) * gpu::kPageNodeWords;
-  ZC_TRY(write(zones_, 0, std::as_bytes(zones)));
   return write(pool_, std::uint64_t{root_word_} * 4, std::as_bytes(top_.nodes()));
 }
 

@@ -1,52 +1,66 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the GPU holds of one set of zones: one pool with the pages, in front, and the top-level BVH over those that are
-// traced, behind them; and the zone table. Pages come and go through upload and move; set_zones then says which of them
-// are traced. The GPU must be idle, which it is between frames: every submission is waited for. Borrows the device.
-// Threads: as the device. Fails when the driver refuses memory.
+// What the device has of one set of zones: one pool with the pages, in front, and the top-level BVH over those that are
+// shown, behind them; and the zone table. It is the page sink that draws: pages come and go through upload, move and
+// remove; show says which of them are traced and drawn. The GPU must be idle during each of these calls, which it is
+// between frames: every submission is waited for. All memory is taken by create() and counted by costs().
+// Borrows the device. Threads: as the device. Fails when the driver refuses memory.
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "runtime/device/resources.h"
 #include "runtime/scene/top_level.h"
 #include "shaders/shared/scene.h"
+#include "streamer/page_sink.h"
 
 namespace zc {
 
-class ZoneSet {
+class ZoneSet final : public PageSink {
  public:
   // use_staging: copy through a staging buffer even where the pool is mapped (tests the path of discrete GPUs).
   explicit ZoneSet(Device& device, bool use_staging = false) : device_(device), use_staging_(use_staging) {}
 
-  // Takes the pool's memory, once, and room for max_zones zones.
-  Status create(std::uint64_t capacity_words, std::uint32_t max_zones);
-  Status upload(std::uint64_t offset_words, std::span<const std::uint32_t> page);
-  // As memmove: ranges may overlap.
-  Status move(std::uint64_t from_words, std::uint64_t to_words, std::uint64_t count_words);
-  // In the order of their pages in the pool; the slots that shaders see are positions in `zones`.
-  Status set_zones(std::span<const gpu::ZoneEntry> zones);
+  // On any device, apart from what that binds.
+  [[nodiscard]] static SinkCosts costs_anywhere();
+  [[nodiscard]] SinkCosts costs() const override;
+  Status create(std::uint64_t capacity_words, std::uint64_t max_pages) override;
+  Status upload(std::uint64_t offset_words, std::span<const std::uint32_t> page) override;
+  Status move(std::uint64_t from_words, std::uint64_t to_words, std::uint64_t count_words) override;
+  void remove(std::uint64_t offset_words) override;
+  Status show(std::span<const ShownPage> pages) override;
 
   [[nodiscard]] const Buffer& pool() const { return pool_; }
   [[nodiscard]] const Buffer& zones() const { return zones_; }
-  // The pool as texels of one word and of four.
+  // The pool as texels of one word and of four: all of it, or as much as the device can bind so.
   [[nodiscard]] const BufferView& texels() const { return texels_; }
   [[nodiscard]] const BufferView& texels4() const { return texels4_; }
-  [[nodiscard]] std::uint32_t zone_count() const { return zone_count_; }
+  [[nodiscard]] bool all_as_texels() const { return all_as_texels_; }
+  // The zone table: the slots that shaders see are places in it, in the order of the pages in the pool.
+  [[nodiscard]] std::span<const gpu::ZoneEntry> shown() const { return entries_; }
+  [[nodiscard]] std::uint32_t zone_count() const { return static_cast<std::uint32_t>(entries_.size()); }
   // Triangle positions in the page of the zone in a slot.
   [[nodiscard]] std::uint32_t triangle_count(std::uint32_t slot) const { return triangle_counts_.at(slot); }
+  [[nodiscard]] std::uint32_t max_pages() const { return max_pages_; }
+  // Nodes on the longest path of any top level over max_pages() pages.
+  [[nodiscard]] std::uint32_t top_depth_bound() const { return top_level_depth_bound(max_pages_); }
   [[nodiscard]] std::uint32_t top_depth() const { return top_.depth(); }
-  // Nodes on the longest path of any top level over as many pages as were planned for.
-  [[nodiscard]] std::uint32_t top_depth_bound() const { return top_level_depth_bound(max_zones_); }
   // The top level's root, in words of the pool.
   [[nodiscard]] std::uint32_t root_word() const { return root_word_; }
   // The first word behind the top level.
   [[nodiscard]] std::uint32_t end_word() const { return end_word_; }
 
  private:
+  struct Resident {
+    std::uint32_t page_word;
+    std::uint32_t root;  // place in roots_
+  };
+
+  Status create_buffers(std::uint64_t pool_bytes);
   Status write(const Buffer& target, std::uint64_t offset_bytes, std::span<const std::byte> bytes);
+  std::vector<Resident>::iterator first_from(std::uint64_t word);
+  Status build_top_level();
 
   Device& device_;
   bool use_staging_;
@@ -55,20 +69,20 @@ class ZoneSet {
   Buffer staging_;
   BufferView texels_;
   BufferView texels4_;
-  struct Resident {
-    std::uint64_t page_word;
-    std::unique_ptr<PageRoot> root;
-  };
-  std::vector<Resident>::iterator first_from(std::uint64_t word);
+  bool all_as_texels_ = true;
 
+  // Reserved for max_pages_.
   std::vector<Resident> residents_;  // by page word
+  std::vector<PageRoot> roots_;
+  std::vector<std::uint32_t> free_roots_;
+  std::vector<gpu::ZoneEntry> entries_;
+  std::vector<std::uint32_t> triangle_counts_;  // by entry
   std::vector<TracedPage> traced_;
   TopLevelBuilder top_;
-  std::vector<std::uint32_t> triangle_counts_;
+  std::uint32_t max_pages_ = 0;
+  bool pages_changed_ = true;  // since the top level was built
   std::uint32_t root_word_ = 0;
   std::uint32_t end_word_ = 0;
-  std::uint32_t zone_count_ = 0;
-  std::uint32_t max_zones_ = 1;
 };
 
 }  // namespace zc

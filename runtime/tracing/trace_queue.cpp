@@ -31,9 +31,11 @@ double ms_since(Clock::time_point start) {
 
 }  // namespace
 
-TraceLimits trace_limits(const Device& device, std::uint32_t page_depth, std::uint32_t top_level_depth) {
+TraceLimits trace_limits(const Device& device, std::uint32_t page_depth, std::uint32_t top_level_depth,
+                         bool pool_as_texels, std::uint32_t step_limit) {
   // A level leaves at most one entry behind, and the last none.
-  return {device.subgroup_size(), device.limits().maxComputeSharedMemorySize, page_depth + top_level_depth};
+  return {device.subgroup_size(), device.limits().maxComputeSharedMemorySize, page_depth + top_level_depth,
+          pool_as_texels, step_limit > 0 ? step_limit : zc::step_limit(device.name())};
 }
 
 TraceQueue::~TraceQueue() { vkDestroyQueryPool(device_.handle(), queries_, nullptr); }
@@ -82,6 +84,7 @@ Constants TraceQueue::constants_of(const TraceVariant& variant, bool any_hit) co
   constants[kConstantStackShared] = variant.stack_shared ? 1 : 0;
   constants[kConstantTraceWidth] = variant.width;
   constants[kConstantAnyHit] = any_hit ? 1 : 0;
+  constants[kConstantStepLimit] = options_.limits.steps;
   return constants;
 }
 

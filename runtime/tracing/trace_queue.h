@@ -24,6 +24,7 @@ enum ConstantId : std::uint32_t {
   kConstantStackShared = 6,
   kConstantTraceWidth = 7,
   kConstantAnyHit = 8,
+  kConstantStepLimit = 9,
   kConstantThreadPerPixel = 10,
 };
 
@@ -41,8 +42,10 @@ struct TraceQueueOptions {
   LayoutKernels kernels = {};
 };
 
-// What tracing takes on this device: pages of at most page_depth nodes on a path, below so deep a top level.
-TraceLimits trace_limits(const Device& device, std::uint32_t page_depth, std::uint32_t top_level_depth);
+// What tracing takes on this device: of pages of at most page_depth nodes on a path, below so deep a top level, in a
+// pool that is bound as texels as a whole or not. step_limit: 0 for the device's.
+TraceLimits trace_limits(const Device& device, std::uint32_t page_depth, std::uint32_t top_level_depth,
+                         bool pool_as_texels, std::uint32_t step_limit = 0);
 
 class TraceQueue {
  public:

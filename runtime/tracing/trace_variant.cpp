@@ -27,6 +27,10 @@ std::optional<TraceVariant> parse_trace_variant(std::string_view name) {
   return std::nullopt;
 }
 
+std::uint32_t step_limit(std::string_view device_name) {
+  return device_name.find("llvmpipe") != std::string_view::npos ? 1900 : 1U << 16U;
+}
+
 std::vector<TraceVariant> all_trace_variants() {
   std::vector<TraceVariant> variants;
   for (const std::uint32_t rays_per_lane : {8U, 4U, 2U, 0U})
@@ -42,6 +46,8 @@ std::string_view unsupported_reason(const TraceVariant& variant, const TraceLimi
   // the lanes of one lane group still meet at its shuffles: on an H100 some did not.
   if (variant.rays_per_lane > 0 && limits.subgroup_size != kLaneGroupSize)
     return "packets need subgroups of just eight that shuffle";
+  if (variant.pool_path == gpu::kPoolTexels && !limits.texels)
+    return "the pool is larger than the texel buffers that the device binds";
   if (variant.stack_shared && std::uint64_t{limits.stack_entries} * variant.width * kEntryBytes > limits.shared_bytes)
     return "the stacks of a workgroup do not fit the device's shared memory";
   return {};
@@ -49,6 +55,7 @@ std::string_view unsupported_reason(const TraceVariant& variant, const TraceLimi
 
 TraceVariant nearest_fit(TraceVariant variant, const TraceLimits& limits) {
   if (limits.subgroup_size != kLaneGroupSize) variant.rays_per_lane = 0;
+  if (!limits.texels) variant.pool_path = gpu::kPoolStorage;
   if (!unsupported_reason(variant, limits).empty()) variant.stack_shared = false;
   return variant;
 }

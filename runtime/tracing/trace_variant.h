@@ -31,7 +31,14 @@ struct TraceLimits {
   std::uint32_t subgroup_size = 0;  // 0: invocations cannot shuffle
   std::uint32_t shared_bytes = 0;   // of a workgroup
   std::uint32_t stack_entries = 0;  // of a ray
+  bool texels = true;               // texel buffers reach all of the pools
+  std::uint32_t steps = 0;          // nodes that a ray may visit before it is lost: step_limit()
 };
+
+// A heavy ray of a city takes some fifty. What bounds them ends traversals of pages that nobody verified; on llvmpipe,
+// whose shaders end their loops silently after 65,535 iterations over all of them, it is lower: with up to 32 triangles
+// a node the count stays below that.
+std::uint32_t step_limit(std::string_view device_name);
 
 // What a name is made of, for a person.
 inline constexpr std::string_view kTraceVariantNames =

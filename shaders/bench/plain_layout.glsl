@@ -27,8 +27,6 @@ void plain_load_triangle(plain_Cluster cluster, uint triangle, out vec3 a, out v
   c = uintBitsToFloat(plain_load4(12u * triangle + 8u).xyz);
 }
 
-uint plain_hit_of(plain_Cluster cluster, uint triangle) { return triangle; }
-
 NodeRefs plain_refs(uvec4 words, uint error_bits) {
   return NodeRefs(words.x & 0xFFu, words.x >> 8, words.w, words.y, words.z, error_bits);
 }

@@ -7,9 +7,12 @@
 layout(local_size_x = 64) in;
 #include "traverse/list_index.glsl"
 
+layout(set = 0, binding = kBindHits, std430) writeonly buffer ResolvedHits { ResolvedHit resolved_hits[]; };
+
 void main() {
   const uint i = list_index();
   if (i >= counters.ray_count) return;
-  const uint hit = hits[i].triangle;
-  hits[i].pixel = hit == kHitNone || hit == kHitLost ? hit : 0u;
+  const HitRecord hit = hits[i];
+  const bool none = hit.triangle_word == kHitNone || hit.triangle_word == kHitLost;
+  resolved_hits[i] = ResolvedHit(hit.t, none ? hit.triangle_word : 0u, hit.triangle_word);
 }

@@ -20,20 +20,20 @@ void main() {
     vec3 a;
     vec3 b;
     vec3 c;
-    const zone_Cluster cluster = zone_find_cluster(zone.page_word, id / 6u);
-    zone_load_corners(cluster, zone_load(cluster.triangle_word + id / 6u - cluster.first_triangle), a, b, c);
+    const page_Cluster cluster = page_find_cluster(zone.page_word, id / 6u);
+    page_load_corners(cluster, page_load(cluster.triangle_word + id / 6u - cluster.first_triangle), a, b, c);
     const uint corner = ((id % 6u + 1u) / 2u) % 3u;
     p = corner == 0u ? a : (corner == 1u ? b : c);
     out_color = vec3(0.15, 0.95, 0.25);
   } else {
     const uint node = zone.page_word + kPageHeaderWords + (id / 192u) * kPageNodeWords;
     const uint slot = id % 192u / 24u;
-    const uvec4 head = zone_load4(node);
+    const uvec4 head = page_load4(node);
     shown = (head.w >> (24u + slot) & 1u) != 0u;
     const uint word = node + 8u + slot / 4u;
     const uint shift = 8u * (slot % 4u);
-    const uvec3 low = uvec3(zone_load(word), zone_load(word + 2u), zone_load(word + 4u)) >> shift & 0xFFu;
-    const uvec3 high = uvec3(zone_load(word + 6u), zone_load(word + 8u), zone_load(word + 10u)) >> shift & 0xFFu;
+    const uvec3 low = uvec3(page_load(word), page_load(word + 2u), page_load(word + 4u)) >> shift & 0xFFu;
+    const uvec3 high = uvec3(page_load(word + 6u), page_load(word + 8u), page_load(word + 10u)) >> shift & 0xFFu;
     const uvec3 exponent = uvec3(head.w, head.w >> 5, head.w >> 10) & 31u;
     const ivec3 from = ivec3(head.xyz) - frame.camera_lattice.xyz;
     const vec3 lo = vec3(from + ivec3(low << exponent));

@@ -25,9 +25,9 @@ void main() {
   SurfaceAttributes attributes = unpack_attributes(in_surface.y, 0u, kSunUnknown);
   add_baked_light(in_surface.zw, barycentric, attributes);
   uint base = in_surface.y;
-  if (zone_is_textured(in_appearance.xy)) {
-    const zone_Atlas atlas = zone_Atlas(in_appearance.z, in_appearance.w, in_texels_per_step);
-    const vec3 color = zone_atlas_color(atlas, in_appearance.xy, in_steps, max(across.x, max(across.y, across.z)));
+  if (page_is_textured(in_appearance.xy)) {
+    const page_Atlas atlas = page_Atlas(in_appearance.z, in_appearance.w, in_texels_per_step);
+    const vec3 color = page_atlas_color(atlas, in_appearance.xy, in_steps, max(across.x, max(across.y, across.z)));
     base = (base & 0xFF000000u) | packUnorm4x8(vec4(srgb_of_linear(color), 0.0));
   }
   const uint shading_normal = in_normals == uvec2(0u) ? 0u : pack_normal_30(corner_normal(in_normals, barycentric));

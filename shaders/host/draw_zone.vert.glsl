@@ -23,13 +23,13 @@ void main() {
   const uint triangle = gl_VertexIndex / 3;
   const uint corner = gl_VertexIndex % 3;
   const ZoneEntry zone = zones[gl_InstanceIndex];
-  const zone_Cluster cluster = zone_find_cluster(zone.page_word, triangle);
+  const page_Cluster cluster = page_find_cluster(zone.page_word, triangle);
   const uint index = triangle - cluster.first_triangle;
-  const uint packed_triangle = zone_load(cluster.triangle_word + index);
+  const uint packed_triangle = page_load(cluster.triangle_word + index);
   vec3 a;
   vec3 b;
   vec3 c;
-  zone_load_corners(cluster, packed_triangle, a, b, c);
+  page_load_corners(cluster, packed_triangle, a, b, c);
   const vec3 n = cross(b - a, c - a);
   const float l = length(n);
   const vec3 p = corner == 0u ? a : (corner == 1u ? b : c);
@@ -37,15 +37,15 @@ void main() {
   out_steps = (p - vec3(cluster.offset)) * exp2(-float(cluster.shift));
   out_barycentric = vec2(corner == 0u, corner == 1u);
   uvec2 appearance;
-  const SurfaceAttributes material = zone_material_attributes(cluster, packed_triangle, appearance);
-  const uvec2 light = zone_load_light(cluster, index);
+  const SurfaceAttributes material = page_material_attributes(cluster, packed_triangle, appearance);
+  const uvec2 light = page_load_light(cluster, index);
   out_surface = uvec4(pack_normal(l > 0.0 ? n / l : vec3(0, 0, 1)),
                       pack_base(material.base, material.roughness, material.metallic), light);
-  out_normals = zone_load_normals(cluster, index);
+  out_normals = page_load_normals(cluster, index);
   out_appearance = uvec4(appearance, 0u, 0u);
   out_texels_per_step = 0.0;
-  if (zone_is_textured(appearance)) {
-    const zone_Atlas atlas = zone_load_atlas(cluster.page_word);
+  if (page_is_textured(appearance)) {
+    const page_Atlas atlas = page_load_atlas(cluster.page_word);
     out_appearance.zw = uvec2(atlas.word, atlas.size);
     out_texels_per_step = atlas.texels_per_step;
   }

@@ -27,7 +27,7 @@ void main() {
     const float start_m = 1e-3 + 1e-5 * s.distance_m;
     const TraceRay ray =
         TraceRay(s.position + s.normal * start_m, 0.0, frame.sun_direction.xyz, frame.ray_length_m, s.origin_normal);
-    visibility = zone_trace(ray, true).triangle == kHitNone ? 1.0 : 0.0;
+    visibility = page_trace(ray, true).triangle_word == kHitNone ? 1.0 : 0.0;
   }
   imageStore(irradiance_out, pixel, pack_radiance(irradiance(s.attributes, s.shading_normal, visibility), 0.0));
 }

@@ -22,5 +22,5 @@ void main() {
   begin_group();
   const uint first_ray = packet_index() * kLaneGroup * uint(kRaysPerLane);
   if (first_ray >= counters.ray_count) return;
-  zone_trace_packet(first_ray);
+  page_trace_packet(first_ray);
 }

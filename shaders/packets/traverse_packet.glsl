@@ -149,7 +149,7 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
         } while (met == 0u && triangles != 0u);
         do {
           const uint lane = uint(findLSB(met));
-          const uint hit = PAGE_NAME(hit_of)(cluster, triangle_word + first + lane);
+          const uint hit = triangle_word + first + lane;
           const Triangle one =
               Triangle(from_lane(shape.a, lane), from_lane(shape.b, lane), from_lane(shape.c, lane),
                        from_lane(shape.normal, lane), from_lane(shape.z_low, lane), from_lane(shape.z_high, lane));
@@ -189,7 +189,7 @@ void PAGE_NAME(trace_packet)(uint first_ray) {
     const uint index = first_ray + kLaneGroup * uint(r) + group_lane;
     if (index < counters.ray_count) {
       hits[index].t = -t_max[r] * step_m;
-      hits[index].triangle = best[r];
+      hits[index].triangle_word = best[r];
     }
   }
   const uint byte_of_lane = again << (8u * (group_lane & 3u));

@@ -3,12 +3,12 @@
 // Vertices come out as exact floats in lattice units relative to the camera's lattice point: |q + offset| stays below
 // 2^24 steps near the camera.
 
-// The zone that a page belongs to; the zone table is sorted by page.
-ZoneEntry PAGE_NAME(zone_of_page)(uint page_word) {
+// The zone in whose page a word of the pool lies; the zone table is sorted by page.
+ZoneEntry PAGE_NAME(zone_at)(uint word) {
   uint low = 0u;
   for (uint count = SET_ZONES; count > 1u;) {
     const uint half_count = count >> 1;
-    low = ZONES[low + half_count].page_word <= page_word ? low + half_count : low;
+    low = ZONES[low + half_count].page_word <= word ? low + half_count : low;
     count -= half_count;
   }
   return ZONES[low];
@@ -23,7 +23,7 @@ uint PAGE_NAME(checked)(uint word, uint count) {
   if (word >= SET_ROOT) {
     inside = inside && word < SET_END && count <= SET_END - word;
   } else {
-    const uint page_word = SET_ZONES > 0u ? PAGE_NAME(zone_of_page)(word).page_word : SET_ROOT;
+    const uint page_word = SET_ZONES > 0u ? PAGE_NAME(zone_at)(word).page_word : SET_ROOT;
     const uint from = word - page_word;
     const uint size = page_word < SET_ROOT ? POOL[page_word + kPageTotalWord] : 0u;
     inside = inside && word >= page_word && from < size && count <= size - from;
@@ -93,15 +93,23 @@ void PAGE_NAME(load_corners)(PAGE_NAME(Cluster) cluster, uint packed_triangle, o
   c = PAGE_NAME(load_vertex)(cluster.vertex_word, cluster.offset, cluster.shift, (packed_triangle >> 16) & 0xFFu);
 }
 
-// The cluster of the triangle at a position of a page, for who does not have it at hand.
-PAGE_NAME(Cluster) PAGE_NAME(find_cluster)(uint page_word, uint triangle) {
-  uint low = page_word + PAGE_NAME(load)(page_word + 5u);  // the first entry of the cluster table
+// The cluster of the last entry in a page's cluster table whose `member`-th word is not larger than `value`.
+PAGE_NAME(Cluster) PAGE_NAME(search_clusters)(uint page_word, uint member, uint value) {
+  uint low = page_word + PAGE_NAME(load)(page_word + 5u);  // the first entry
   uint count = PAGE_NAME(load)(page_word + 4u);
-  while (count > 1u) {  // the last entry whose first triangle is not behind `triangle`
+  while (count > 1u) {
     const uint half_count = count >> 1;
     const uint middle = low + half_count * kClusterEntryWords;
-    low = PAGE_NAME(load)(middle) <= triangle ? middle : low;
+    low = PAGE_NAME(load)(middle + member) <= value ? middle : low;
     count -= half_count;
   }
   return PAGE_NAME(load_cluster)(page_word + PAGE_NAME(load)(low + 1u));
+}
+
+// The cluster of a triangle, by its position in the page and by its word in the pool.
+PAGE_NAME(Cluster) PAGE_NAME(find_cluster)(uint page_word, uint triangle) {
+  return PAGE_NAME(search_clusters)(page_word, 0u, triangle);
+}
+PAGE_NAME(Cluster) PAGE_NAME(cluster_at)(uint page_word, uint triangle_word) {
+  return PAGE_NAME(search_clusters)(page_word, 1u, triangle_word - page_word);
 }

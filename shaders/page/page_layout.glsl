@@ -32,8 +32,3 @@ uint PAGE_NAME(hit_children)(uint node, vec3 origin, vec3 reciprocal, bvec3 back
 void PAGE_NAME(load_triangle)(PAGE_NAME(Cluster) cluster, uint triangle_word, out vec3 a, out vec3 b, out vec3 c) {
   PAGE_NAME(load_corners)(cluster, PAGE_NAME(load)(triangle_word), a, b, c);
 }
-
-// As in HitRecord.
-uint PAGE_NAME(hit_of)(PAGE_NAME(Cluster) cluster, uint triangle_word) {
-  return hit_at(cluster.triangle_word - kClusterHeaderWords, triangle_word - cluster.triangle_word);
-}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The zones that are bound: defines what page_fetch.glsl and the traversals take. Undo with end_set.glsl.
-#define PAGE_NAME(x) zone_##x
+#define PAGE_NAME(x) page_##x
 #define POOL pool
 #define POOL4 pool4
 #define TEXELS pool_texels

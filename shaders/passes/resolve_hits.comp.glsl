@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Says hits as pages know them, for who reads them back: in `pixel` the page's first word, in `triangle` the position
-// in that page.
+// Gives hits as pages know them, for who reads them back: a ResolvedHit in the place of each HitRecord.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"
-#include "traverse/trace.glsl"
 #include "page/zone_set.glsl"
 #include "page/page_fetch.glsl"
 #include "page/end_set.glsl"
@@ -12,15 +10,17 @@
 layout(local_size_x = 64) in;
 #include "traverse/list_index.glsl"
 
+layout(set = 0, binding = kBindHits, std430) writeonly buffer ResolvedHits { ResolvedHit resolved_hits[]; };
+
 void main() {
   const uint i = list_index();
   if (i >= counters.ray_count) return;
-  const uint hit = hits[i].triangle;
-  if (hit == kHitNone || hit == kHitLost) {
-    hits[i].pixel = hit;
-  } else {
-    const zone_Cluster cluster = zone_load_cluster(hit_cluster_word(hit));
-    hits[i].triangle = cluster.first_triangle + hit_index(hit);
-    hits[i].pixel = cluster.page_word;
+  const HitRecord hit = hits[i];
+  ResolvedHit resolved = ResolvedHit(hit.t, hit.triangle_word, 0u);
+  if (hit.triangle_word != kHitNone && hit.triangle_word != kHitLost) {
+    resolved.page_word = page_zone_at(hit.triangle_word).page_word;
+    const page_Cluster cluster = page_cluster_at(resolved.page_word, hit.triangle_word);
+    resolved.triangle = cluster.first_triangle + hit.triangle_word - cluster.triangle_word;
   }
+  resolved_hits[i] = resolved;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades what the traced rays met, with one shadow ray each against the same zones where the bake does not say it all.
+// Shades what the traced rays hit, with one shadow ray each against the same zones where the bake does not say it all.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"
@@ -34,16 +34,16 @@ void main() {
   const vec3 direction = vec3(task.dir_x, task.dir_y, task.dir_z);
   vec3 color = sky_radiance(direction);
   uint source = kSourceSky;
-  if (hit.triangle == kHitLost) {
+  if (hit.triangle_word == kHitLost) {
     source = kSourceLost;
     atomicAdd(counters.rays_lost, 1u);  // never expected
-  } else if (hit.triangle == kHitNone) {
+  } else if (hit.triangle_word == kHitNone) {
     COUNT_RAYS(counters.rays_sky);
   } else {
     const vec3 position = vec3(task.origin_x, task.origin_y, task.origin_z) + direction * hit.t;
     const ivec2 asked = ivec2(hit.pixel % frame.width, hit.pixel / frame.width);
     const float footprint_m = pixel_footprint_m(frame.near_m / max(texelFetch(depth_image, asked, 0).x, 1e-12) + hit.t);
-    const HitSurface h = zone_hit_surface(hit.triangle, position, footprint_m);
+    const HitSurface h = page_hit_surface(hit.triangle_word, position, footprint_m);
     const vec3 normal = dot(h.geometric_normal, direction) > 0.0 ? -h.geometric_normal : h.geometric_normal;
     const vec3 shading_normal = dot(h.shading_normal, direction) < 0.0 ? h.shading_normal : normal;
     float visibility = h.attributes.sun == kSunLit ? 1.0 : 0.0;
@@ -51,7 +51,7 @@ void main() {
       const float start_m = 2e-3 + 2e-5 * hit.t;
       const TraceRay ray = TraceRay(position + normal * start_m, 0.0, frame.sun_direction.xyz, frame.ray_length_m,
                                     pack_normal(h.geometric_normal));
-      const uint blocker = zone_trace(ray, true).triangle;
+      const uint blocker = page_trace(ray, true).triangle_word;
       visibility = blocker == kHitNone ? 1.0 : 0.0;
     }
     color = shade_mirrored(h.attributes, shading_normal, direction,

@@ -18,5 +18,5 @@ void main() {
   uint index;
   TraceRay ray;
   if (!take_ray(list_index(), index, ray)) return;
-  put_hit(index, zone_trace(ray, kAnyHit != 0u));
+  put_hit(index, page_trace(ray, kAnyHit != 0u));
 }

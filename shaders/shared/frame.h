@@ -37,7 +37,7 @@ ZC_CONST(uint, kBindProvenance, 8u);   // uint a pixel
 ZC_CONST(uint, kBindPixels, 9u);       // uint: reflective pixels
 ZC_CONST(uint, kBindRays, 10u);        // RayTask
 ZC_CONST(uint, kBindRayTexels4, 11u);  // the ray queue, as texels of four words
-ZC_CONST(uint, kBindHits, 12u);        // HitRecord
+ZC_CONST(uint, kBindHits, 12u);        // HitRecord, or ResolvedHit
 ZC_CONST(uint, kBindFallbackRays, 13u);
 ZC_CONST(uint, kBindCounters, 14u);
 // What a host fills (adapter/load_surface.glsl) and what it gets.
@@ -109,15 +109,21 @@ struct RayTask {
 };
 ZC_CONST(uint, kNoSurface, 0x80008000u);  // no normal is packed so
 
-// A triangle in the pool: its cluster's first word over 4, from bit kHitIndexBits on, and its place in the cluster.
-ZC_CONST(uint, kHitIndexBits, 9u);
+// In place of a word of the pool.
 ZC_CONST(uint, kHitNone, 0xFFFFFFFFu);
-ZC_CONST(uint, kHitLost, 0xFFFFFFFEu);  // the traversal's bound was reached: never expected, always counted
+ZC_CONST(uint, kHitLost, 0xFFFFFFFEu);  // the traversal's bound was reached: always counted
 
 struct HitRecord {
-  float t;        // metres; undefined where nothing was hit
-  uint triangle;  // in the pool, or kHitNone / kHitLost
-  uint pixel;     // that asked
+  float t;             // metres; undefined where nothing was hit
+  uint triangle_word;  // the triangle's own word in the pool, or kHitNone / kHitLost
+  uint pixel;          // that asked
+};
+
+// What resolve_hits.comp.glsl leaves in a HitRecord's place.
+struct ResolvedHit {
+  float t;         // as it was
+  uint page_word;  // the page's first word in the pool, or kHitNone / kHitLost
+  uint triangle;   // its position in that page; undefined where nothing was hit
 };
 
 // Rays that a packets left to fallback rays: bit 8 * (lane % 4) + r of mask lane / 4 stands for ray first_ray + 8 * r +
@@ -177,6 +183,7 @@ ZC_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(zc::gpu::RayTask) == 32);
 static_assert(sizeof(zc::gpu::HitRecord) == 12);
+static_assert(sizeof(zc::gpu::ResolvedHit) == sizeof(zc::gpu::HitRecord));
 static_assert(sizeof(zc::gpu::FallbackRays) == 12);
 static_assert(sizeof(zc::gpu::Counters) == 84);
 static_assert(sizeof(zc::gpu::FrameData) == 64 + 11 * 16 + 16 * zc::gpu::kHizLevels);

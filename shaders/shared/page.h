@@ -41,7 +41,7 @@ ZC_CONST(uint, kLeafMaxTriangles, 8u);   // triangles of one child
 ZC_CONST(uint, kNodeMaxTriangles, 32u);  // triangles of all of a node's leaf children
 ZC_CONST(uint, kClusterMaxVertices, 256u);
 ZC_CONST(uint, kClusterMaxTriangles, 512u);
-ZC_CONST(uint, kPoolMaxWords, 1u << 25);  // of all pages: a hit numbers triangles within (frame.h)
+ZC_CONST(uint, kPoolMaxWords, 1u << 30);  // with the top level: 4 GiB, as shaders count bytes
 ZC_CONST(uint, kPaletteMax, 256u);
 ZC_CONST(uint, kPageMaxNodes, 0x00FFFFFFu);
 ZC_CONST(uint, kPageMaxTriangles, 0x00FFFFFFu);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a ray met. Needs PAGE_NAME and page_appearance.glsl. position: metres, relative to camera_lattice.
+// What a ray hit. Needs PAGE_NAME and page_appearance.glsl. position: metres, relative to camera_lattice.
 
-HitSurface PAGE_NAME(hit_surface)(uint hit, vec3 position, float footprint_m) {
-  const PAGE_NAME(Cluster) cluster = PAGE_NAME(load_cluster)(hit_cluster_word(hit));
-  const uint index = hit_index(hit);
-  const uint packed_triangle = PAGE_NAME(load)(cluster.triangle_word + index);
+HitSurface PAGE_NAME(hit_surface)(uint triangle_word, vec3 position, float footprint_m) {
   HitSurface s;
-  s.zone = PAGE_NAME(zone_of_page)(cluster.page_word);
+  s.zone = PAGE_NAME(zone_at)(triangle_word);
+  const PAGE_NAME(Cluster) cluster = PAGE_NAME(cluster_at)(s.zone.page_word, triangle_word);
+  const uint index = triangle_word - cluster.triangle_word;
+  const uint packed_triangle = PAGE_NAME(load)(triangle_word);
   vec3 a;
   vec3 b;
   vec3 c;

@@ -28,5 +28,5 @@ bool take_ray(uint place, out uint index, out TraceRay ray) {
 
 void put_hit(uint index, TraceHit hit) {
   hits[index].t = hit.t;
-  hits[index].triangle = hit.triangle;
+  hits[index].triangle_word = hit.triangle_word;
 }

@@ -5,9 +5,7 @@
 
 layout(constant_id = 0) const int kStackSize = 32;  // from the data: deepest page + deepest top level
 
-// Nodes a ray may visit; a heavy ray of a city takes some fifty. With up to 32 triangles a node this stays below the
-// 65,535 iterations over all loops after which lavapipe ends them silently.
-const int kStepLimit = 1900;
+layout(constant_id = 9) const int kStepLimit = 1900;  // nodes that a ray may visit; see TraceLimits
 
 struct TraceRay {
   vec3 origin;  // metres, relative to camera_lattice
@@ -18,13 +16,9 @@ struct TraceRay {
 };
 
 struct TraceHit {
-  float t;        // metres
-  uint triangle;  // as in HitRecord
+  float t;             // metres
+  uint triangle_word;  // as in HitRecord
 };
-
-uint hit_at(uint cluster_word, uint index) { return cluster_word << (kHitIndexBits - 2u) | index; }
-uint hit_cluster_word(uint hit) { return (hit >> kHitIndexBits) << 2; }
-uint hit_index(uint hit) { return hit & ((1u << kHitIndexBits) - 1u); }
 
 // A finite reciprocal that keeps the sign of zero, so that the slab test never meets 0 * inf.
 vec3 safe_reciprocal(vec3 d) {

@@ -65,10 +65,9 @@ TraceHit PAGE_NAME(trace)(TraceRay ray, bool any) {
         const bool own =
             has_origin_surface && winds_with(shape.normal, sheared_plane) && t * cos_theta * step_m <= own_height_m;
         // Of triangles at the same distance the first in the pool wins, in whatever order they are met.
-        const uint hit = PAGE_NAME(hit_of)(cluster, word);
-        if (met && t >= t_min && (t < t_max || (t == t_max && hit < best)) && !own) {
+        if (met && t >= t_min && (t < t_max || (t == t_max && word < best)) && !own) {
           t_max = t;
-          best = hit;
+          best = word;
           if (any) {
             done = true;
             triangles = 0u;

@@ -7,7 +7,7 @@
 
 namespace zc {
 
-Status HeapPageSink::create(std::uint64_t capacity_words) {
+Status HeapPageSink::create(std::uint64_t capacity_words, std::uint64_t /*max_pages*/) {
   words_.assign(capacity_words, 0);  // assign writes every word
   return {};
 }

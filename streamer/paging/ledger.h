@@ -16,7 +16,7 @@ namespace zc {
 enum class LedgerClass : std::uint8_t {
   kIndex,     // world.zcw as kept in memory
   kState,     // per-node state, statistics, the selection's working memory
-  kTopLevel,  // the top-level BVH over resident zones
+  kTopLevel,  // what the sink takes beside the pool: top-level BVH, zone table, what they are built from
   kPool,      // the page pool, in full from opening
   kInFlight,  // compressed bytes, from request to decoded
   kDecoded,   // decoded pages, until they are uploaded

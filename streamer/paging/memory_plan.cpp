@@ -14,7 +14,9 @@ namespace zc {
 namespace {
 
 constexpr std::uint64_t kSmallIndexBytes = 16U << 20U;
-constexpr std::uint64_t kBytesPerPage = kPagerBytesPerPage + kTopLevelBytesPerPage;
+
+// What is kept for each page that may be there, beside the page.
+std::uint64_t kept_bytes_per_page(const SinkCosts& sink) { return kPagerBytesPerPage + sink.bytes_per_page; }
 
 std::uint64_t request_bytes(const NodeRecord& node) { return compressed_bytes(node) + node.page_bytes; }
 
@@ -46,9 +48,9 @@ PageSums sum_pages(const WorldIndex& index, bool include_detail) {
 }
 
 // What is there whatever is loaded, with the root's share of what is kept per page.
-std::uint64_t fixed_bytes(const WorldIndex& index, std::uint64_t source_bytes) {
+std::uint64_t fixed_bytes(const WorldIndex& index, std::uint64_t source_bytes, const SinkCosts& sink) {
   return index.resident_bytes() + source_bytes + kFixedStateBytes + index.nodes.size() * kPagerBytesPerNode +
-         kBytesPerPage;
+         sink.fixed_bytes + kept_bytes_per_page(sink);
 }
 
 // What one load may take.
@@ -101,9 +103,10 @@ LoadRoom most_useful_room(const WorldIndex& index, bool include_detail, std::uin
 }
 
 // The largest pool that fits into `room` beside what is kept per page but the root's.
-std::uint64_t fit_pool(std::uint64_t room, std::uint64_t root_bytes, const PageSums& pages) {
-  const std::uint64_t more = (pages.count - 1) * kBytesPerPage;
-  const std::uint64_t planned = (room - root_bytes) / (pages.planned_pool_bytes() + kBytesPerPage);
+std::uint64_t fit_pool(std::uint64_t room, std::uint64_t root_bytes, const PageSums& pages,
+                       std::uint64_t bytes_per_page) {
+  const std::uint64_t more = (pages.count - 1) * bytes_per_page;
+  const std::uint64_t planned = (room - root_bytes) / (pages.planned_pool_bytes() + bytes_per_page);
   return std::max(root_bytes + planned * pages.planned_pool_bytes(), room - std::min(room, more));
 }
 
@@ -115,28 +118,31 @@ LoadLimits load_limits(const MemoryPlan& plan, bool include_detail) {
 
 std::uint64_t index_limit_bytes(std::uint64_t cap_bytes) { return std::max(cap_bytes, kSmallIndexBytes); }
 
-std::uint64_t smallest_cap_bytes(const WorldIndex& index, std::uint64_t source_bytes) {
+std::uint64_t smallest_cap_bytes(const WorldIndex& index, std::uint64_t source_bytes, const SinkCosts& sink) {
   const NodeRecord& root = index.nodes[0];
   const std::uint64_t running =
-      fixed_bytes(index, source_bytes) + pool_bytes(root) + scratch_bytes(root) + request_bytes(root);
+      fixed_bytes(index, source_bytes, sink) + pool_bytes(root) + scratch_bytes(root) + request_bytes(root);
   const std::uint64_t opening = 2 * index.resident_bytes() + source_bytes;  // the file and what it is decoded to
   return std::max(running, opening);
 }
 
-Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& options, std::uint64_t source_bytes) {
+Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& options, std::uint64_t source_bytes,
+                               const SinkCosts& sink) {
   const NodeRecord& root = index.nodes[0];
-  const std::uint64_t smallest = smallest_cap_bytes(index, source_bytes);
+  const std::uint64_t smallest = smallest_cap_bytes(index, source_bytes, sink);
   if (options.cap_bytes < smallest)
     return Error{ErrorCode::kBudget, "a cap of " + std::to_string(options.cap_bytes) +
                                          " bytes does not hold the root; the smallest cap that works is " +
                                          std::to_string(smallest) + " bytes"};
-  if (options.pool_limit_bytes < pool_bytes(root))
-    return Error{ErrorCode::kBudget, "a pool of " + std::to_string(options.pool_limit_bytes) +
-                                         " bytes does not hold the root's page of " + std::to_string(pool_bytes(root))};
+  const std::uint64_t least_buffer = sink.buffer_fixed_bytes + sink.buffer_bytes_per_page + pool_bytes(root);
+  if (sink.buffer_limit_bytes < least_buffer)
+    return Error{ErrorCode::kBudget, "the root's page takes a buffer of " + std::to_string(least_buffer) +
+                                         " bytes, and the device binds " + std::to_string(sink.buffer_limit_bytes)};
 
   const PageSums pages = sum_pages(index, options.include_detail);
   MemoryPlan plan;
-  const std::uint64_t room = options.cap_bytes - fixed_bytes(index, source_bytes);
+  const std::uint64_t bytes_per_page = kept_bytes_per_page(sink);
+  const std::uint64_t room = options.cap_bytes - fixed_bytes(index, source_bytes, sink);
   LoadRoom load{scratch_bytes(root), request_bytes(root)};
   std::uint64_t spare = room - pool_bytes(root) - load.scratch - load.request;
   const std::uint64_t before = load.scratch + load.request;
@@ -148,7 +154,7 @@ Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& o
 
   // Room for more than one at once: little of it while the pool cannot hold every page, for pages are what the cap is
   // for. The number of threads has no say: what is selected must not depend on it.
-  const std::uint64_t beyond_pages = spare - std::min(spare, pages.pool_bytes + pages.count * kBytesPerPage);
+  const std::uint64_t beyond_pages = spare - std::min(spare, pages.pool_bytes + pages.count * bytes_per_page);
   const std::uint64_t scratch =
       load.scratch * (1 + std::min<std::uint64_t>(3, std::max(spare / 16, beyond_pages / 4) / load.scratch));
   const std::uint64_t requests = load.request + std::min((std::max(1U, options.max_in_flight) - 1) * load.request,
@@ -156,13 +162,17 @@ Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& o
 
   constexpr std::uint64_t kAlign = 4 * kPageAlignWords;
   plan.scratch_bytes = scratch;
-  const std::uint64_t fitting = fit_pool(room - scratch - requests, pool_bytes(root), pages);
-  plan.pool_bytes = std::min({options.pool_limit_bytes, pages.pool_bytes, fitting}) / kAlign * kAlign;
+  const std::uint64_t affordable =
+      std::min(pages.pool_bytes, fit_pool(room - scratch - requests, pool_bytes(root), pages, bytes_per_page));
+  const std::uint64_t bound = fit_pool(sink.buffer_limit_bytes - sink.buffer_fixed_bytes - sink.buffer_bytes_per_page,
+                                       pool_bytes(root), pages, sink.buffer_bytes_per_page);
+  plan.pool_bytes = std::min(affordable, bound) / kAlign * kAlign;
+  plan.pool_limited_by_sink = bound < affordable / kAlign * kAlign;
   plan.pages = 1 + std::min(pages.count - 1, (plan.pool_bytes - pool_bytes(root)) / pages.planned_pool_bytes());
   plan.index_bytes = index.resident_bytes() + source_bytes;
   plan.state_bytes = kFixedStateBytes + index.nodes.size() * kPagerBytesPerNode + plan.pages * kPagerBytesPerPage;
-  plan.top_level_bytes = plan.pages * kTopLevelBytesPerPage;
-  plan.in_flight_bytes = room - plan.scratch_bytes - plan.pool_bytes - (plan.pages - 1) * kBytesPerPage;
+  plan.top_level_bytes = sink.fixed_bytes + plan.pages * sink.bytes_per_page;
+  plan.in_flight_bytes = room - plan.scratch_bytes - plan.pool_bytes - (plan.pages - 1) * bytes_per_page;
   return plan;
 }
 

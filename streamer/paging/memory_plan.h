@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "base/result.h"
+#include "streamer/page_sink.h"
 #include "streamer/paging/selection.h"
 #include "streamer/paging/streamer_options.h"
 #include "streamer/world_format/world_index.h"
@@ -14,14 +15,14 @@ namespace zc {
 
 // The state that does not grow with the world: latency samples, queues, threads' stacks.
 inline constexpr std::uint64_t kFixedStateBytes = 64 << 10U;
-inline constexpr std::uint64_t kTopLevelBytesPerPage = 128;
 
 struct MemoryPlan {
   std::uint64_t index_bytes = 0;  // and what the source holds
   std::uint64_t state_bytes = 0;
-  std::uint64_t top_level_bytes = 0;
+  std::uint64_t top_level_bytes = 0;  // the sink's, beside the pool
   std::uint64_t pool_bytes = 0;
-  std::uint64_t pages = 0;            // that the pool holds at most
+  bool pool_limited_by_sink = false;  // the cap has room for more of the world, but the sink binds no larger buffer
+  std::uint64_t pages = 0;            // that the pool contains at most
   std::uint64_t scratch_bytes = 0;    // shared by the workers
   std::uint64_t in_flight_bytes = 0;  // the rest: compressed bytes and decoded pages of requests
 };
@@ -33,11 +34,14 @@ struct MemoryPlan {
 // not read, however long a server goes on; a small one is, to name the cap that works.
 [[nodiscard]] std::uint64_t index_limit_bytes(std::uint64_t cap_bytes);
 
-// The smallest cap under which a world opens: index, node state, the root's page and what loading it takes.
-// source_bytes: held_bytes() of the source that it is read from.
-[[nodiscard]] std::uint64_t smallest_cap_bytes(const WorldIndex& index, std::uint64_t source_bytes = 0);
+// The smallest cap under which a world opens: index, node state, the root's page, what loading it takes and what the
+// sink takes beside it. source_bytes: held_bytes() of the source that it is read from.
+[[nodiscard]] std::uint64_t smallest_cap_bytes(const WorldIndex& index, std::uint64_t source_bytes = 0,
+                                               const SinkCosts& sink = {});
 
-// Fails with kBudget, naming the smallest cap that works. source_bytes: held_bytes() of the world's source.
-Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& options, std::uint64_t source_bytes = 0);
+// Fails with kBudget, naming the smallest cap that works, or the buffer that the sink would have to bind. source_bytes:
+// held_bytes() of the world's source.
+Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& options, std::uint64_t source_bytes = 0,
+                               const SinkCosts& sink = {});
 
 }  // namespace zc

@@ -46,6 +46,7 @@ Status PagePool::add(std::uint32_t node, std::span<const std::uint32_t> page) {
 }
 
 void PagePool::remove(std::uint32_t node) {
+  sink_.remove(offset_words(node));
   pool_.free(offset_words(node), page_words(node));
   nodes_.remove(node);
   const auto at = std::find(residents_.begin(), residents_.end(), node);

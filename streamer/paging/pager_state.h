@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 
+#include "streamer/page_sink.h"
 #include "streamer/paging/ledger.h"
 #include "streamer/paging/rendered_cut.h"
 #include "streamer/paging/selection.h"
@@ -53,9 +54,9 @@ struct Eviction {
 inline constexpr std::uint64_t kPagerBytesPerNode =
     sizeof(NodeState) + 1 + sizeof(std::uint32_t) + RenderedCut::kBytesPerNode;
 
-// Per page that can be there at once: id lists (residents, prefetched, used, and the rendered cut now and before);
-// cover offsets; eviction heap; the selection's own.
+// Per page that can be there at once: id lists (residents, prefetched, used, and the rendered cut now and before); the
+// cut's offsets, and what of it the sink is shown; eviction heap; the selection's own.
 inline constexpr std::uint64_t kPagerBytesPerPage =
-    5 * sizeof(std::uint32_t) + sizeof(std::uint64_t) + sizeof(Eviction) + kSelectionBytesPerPage;
+    5 * sizeof(std::uint32_t) + sizeof(std::uint64_t) + sizeof(ShownPage) + sizeof(Eviction) + kSelectionBytesPerPage;
 
 }  // namespace zc

@@ -13,8 +13,7 @@ enum class ClockKind { kVirtual, kWall };
 
 struct StreamerOptions {
   std::uint64_t cap_bytes = 0;
-  std::uint64_t pool_limit_bytes = 128ULL << 20U;  // the largest storage buffer the renderer can bind
-  unsigned threads = 2;                            // workers, at least 1
+  unsigned threads = 2;  // workers, at least 1
   ClockKind clock = ClockKind::kVirtual;
   double source_latency_s = 0;                        // virtual clock only
   double source_bandwidth_bytes_per_s = 0;            // virtual clock only; 0 is unlimited

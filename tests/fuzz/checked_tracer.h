@@ -80,13 +80,14 @@ class CheckedTracer {
 
   // The pages to trace from now on, in the order of their words, in both sets.
   Status show(std::span<const TracedOne> pages) {
-    pages_.assign(pages.begin(), pages.end());
-    std::vector<gpu::ZoneEntry> zones;
-    for (const TracedOne& one : pages) {
-      for (ZoneSet* set : {&*proxies_, &*host_}) ZC_TRY(set->upload(one.word, one.page));
-      zones.push_back({0, 0, 0, 0, one.word, 0, 0.0F, 0});
+    std::vector<ShownPage> shown;
+    for (const TracedOne& one : pages) shown.push_back({one.word, 0, false});
+    for (ZoneSet* set : {&*proxies_, &*host_}) {
+      for (const TracedOne& one : pages_) set->remove(one.word);
+      for (const TracedOne& one : pages) ZC_TRY(set->upload(one.word, one.page));
+      ZC_TRY(set->show(shown));
     }
-    for (ZoneSet* set : {&*proxies_, &*host_}) ZC_TRY(set->set_zones(zones));
+    pages_.assign(pages.begin(), pages.end());
     return {};
   }
 

@@ -224,12 +224,13 @@ TEST(Golden, EventLogs) {
   const double size = test::tiny_world_size_m(shape);
   std::uint64_t pages = 0;
   for (const NodeRecord& node : world.index.nodes) pages += pool_bytes(node);
+  const SinkCosts costs{.bytes_per_page = 112};  // what a sink takes is part of what fits
   std::string logs;
   for (const unsigned share : {100U, 50U, 25U, 12U}) {
     test::MemorySource source(world.files);
     source.remove(node_file(world.index.nodes[9], "glb"));
-    HeapPageSink sink;
-    const StreamerOptions options = {.cap_bytes = smallest_cap_bytes(world.index) + pages * share / 100,
+    HeapPageSink sink(costs);
+    const StreamerOptions options = {.cap_bytes = smallest_cap_bytes(world.index, 0, costs) + pages * share / 100,
                                      .threads = 1 + share % 4,
                                      .source_latency_s = 0.05,
                                      .source_bandwidth_bytes_per_s = 2e5,

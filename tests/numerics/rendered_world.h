@@ -5,17 +5,52 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "baker/bake.h"
-#include "replay/session/zone_table.h"
+#include "replay/host/zone_draws.h"
+#include "replay/session/render_setup.h"
 #include "runtime/tracer.h"
+#include "streamer/streamer.h"
+#include "streamer/world_format/page_view.h"
 
 namespace zc::test {
+
+// Hands pages on, but for the error that their clusters name.
+class ErrorClaim final : public PageSink {
+ public:
+  ErrorClaim(PageSink& sink, std::optional<float> error_m) : sink_(sink), error_m_(error_m) {}
+
+  [[nodiscard]] SinkCosts costs() const override { return sink_.costs(); }
+  Status create(std::uint64_t capacity_words, std::uint64_t max_pages) override {
+    return sink_.create(capacity_words, max_pages);
+  }
+  Status upload(std::uint64_t offset_words, std::span<const std::uint32_t> page) override {
+    if (!error_m_) return sink_.upload(offset_words, page);
+    std::vector<std::uint32_t> changed(page.begin(), page.end());
+    const gpu::PageHeader header = PageView(page).header();
+    for (std::uint32_t c = 0; c < header.cluster_count; ++c) {
+      const std::size_t cluster = page[header.entries_offset_words + c * gpu::kClusterEntryWords + 1];
+      changed[cluster + offsetof(gpu::ClusterHeader, error_m) / 4] = std::bit_cast<std::uint32_t>(*error_m_);
+    }
+    return sink_.upload(offset_words, changed);
+  }
+  Status move(std::uint64_t from_words, std::uint64_t to_words, std::uint64_t count_words) override {
+    return sink_.move(from_words, to_words, count_words);
+  }
+  void remove(std::uint64_t offset_words) override { sink_.remove(offset_words); }
+  Status show(std::span<const ShownPage> pages) override { return sink_.show(pages); }
+
+ private:
+  PageSink& sink_;
+  std::optional<float> error_m_;
+};
 
 class RenderedWorld {
  public:
@@ -27,36 +62,29 @@ class RenderedWorld {
   }
 
   // Every zone resident at its finest proxy; the host set holds the full detail.
-  // claimed_error_m: what the zone table says of the proxies' error instead of what was measured.
+  // claimed_error_m: what the proxies' pages say of their error instead of what was measured.
   Status open(Scene scene, const BakeOptions& bake, HostOptions options,
               std::optional<float> claimed_error_m = std::nullopt) {
     std::string pattern = (std::filesystem::temp_directory_path() / "zonecast-numerics-XXXXXX").string();
     if (mkdtemp(pattern.data()) == nullptr) return Error{ErrorCode::kIo, "no temporary folder", pattern};
     folder_ = pattern;
-    ZC_ASSIGN(const BakeReport baked, bake_world(std::move(scene), 0, bake, folder_ / "world"));
+    ZC_ASSIGN([[maybe_unused]] const BakeReport baked, bake_world(std::move(scene), 0, bake, folder_ / "world"));
     ZC_ASSIGN(source_, open_directory_source(folder_ / "world"));
     DeviceOptions device;
     device.validation = true;
     ZC_ASSIGN(device_, Device::create(device));
-    const auto nodes = static_cast<std::uint32_t>(baked.index.nodes.size());
     proxies_.emplace(*device_);
     host_.emplace(*device_, /*use_staging=*/true);  // the path of discrete GPUs is under test as well
-    proxy_sink_.emplace(*proxies_, nodes);
-    host_sink_.emplace(*host_, nodes);
+    claim_.emplace(*proxies_, claimed_error_m);
     StreamerOptions paging;
     paging.cap_bytes = 128U << 20U;
     paging.tolerance = 1e-9;
-    ZC_ASSIGN(streamer_, Streamer::open(*source_, paging, *proxy_sink_));
+    ZC_ASSIGN(streamer_, Streamer::open(*source_, paging, *claim_));
     paging.include_detail = true;
-    ZC_ASSIGN(host_streamer_, Streamer::open(*source_, paging, *host_sink_));
+    ZC_ASSIGN(host_streamer_, Streamer::open(*source_, paging, *host_));
     const View view{{0, 0, 0}};
     ZC_TRY(streamer_->advance(std::span(&view, 1), 0));
     ZC_TRY(host_streamer_->advance(std::span(&view, 1), 0));
-    proxy_table_.emplace(*streamer_, *proxies_, paging.tolerance);
-    host_table_.emplace(*host_streamer_, *host_, paging.tolerance);
-    ZC_TRY(proxy_table_->update(view));
-    ZC_TRY(host_table_->update(view));
-    if (claimed_error_m) ZC_TRY(claim_error(*claimed_error_m));
     for (const MaterialRecord& m : index().materials)
       materials_.push_back({m.base_color[0], m.base_color[1], m.base_color[2], m.roughness, m.metallic, m.flags, 0, 0});
     return remake_renderer(options);
@@ -96,32 +124,25 @@ class RenderedWorld {
   }
 
   Result<FrameResult> render(const FrameCamera& camera) {
-    return renderer_->render(camera, host_table_->draws(camera, 1.0, false));
+    return renderer_->render(camera, zone_draws(*host_, index(), camera, 1.0, false));
   }
 
   [[nodiscard]] const WorldIndex& index() const { return streamer_->index(); }
   [[nodiscard]] Source& source() { return *source_; }
   [[nodiscard]] const Streamer& streamer() const { return *streamer_; }
   // The proxies that are traced, by slot.
-  [[nodiscard]] std::span<const gpu::ZoneEntry> proxy_zones() const { return proxy_table_->entries(); }
+  [[nodiscard]] std::span<const gpu::ZoneEntry> proxy_zones() const { return proxies_->shown(); }
   [[nodiscard]] StandInHost& renderer() { return *renderer_; }
   [[nodiscard]] Tracer& tracer() { return *tracer_; }
   [[nodiscard]] const Device& device() const { return *device_; }
 
  private:
-  Status claim_error(float error_m) {
-    std::vector<gpu::ZoneEntry> entries(proxy_table_->entries().begin(), proxy_table_->entries().end());
-    for (gpu::ZoneEntry& entry : entries) entry.error_m = error_m;
-    return proxies_->set_zones(entries);
-  }
-
   std::filesystem::path folder_;
   std::unique_ptr<Source> source_;
   std::unique_ptr<Device> device_;
   std::optional<ZoneSet> proxies_, host_;
-  std::optional<GpuPageSink> proxy_sink_, host_sink_;
+  std::optional<ErrorClaim> claim_;
   std::unique_ptr<Streamer> streamer_, host_streamer_;
-  std::optional<ZoneTable> proxy_table_, host_table_;
   std::vector<gpu::MaterialEntry> materials_;
   std::unique_ptr<StandInHost> renderer_;
   std::unique_ptr<Tracer> tracer_;

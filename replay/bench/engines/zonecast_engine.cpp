@@ -41,22 +41,18 @@ class ZonecastEngine final : public TraceEngine {
     }
     const auto count = static_cast<std::uint32_t>(pages.size());
     ZC_TRY(zones_.create(words, count));
-    std::vector<gpu::ZoneEntry> entries;
+    std::vector<ShownPage> shown;
     std::uint32_t at = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
       ZC_TRY(zones_.upload(at, pages[i].words));
-      gpu::ZoneEntry entry{};
-      entry.page_word = at;
-      entry.node = i;
-      entries.push_back(entry);
+      shown.push_back({at, i, false});
       at += static_cast<std::uint32_t>(pages[i].words.size());
       order_.push_back(std::move(pages[i].order));
     }
     const Stopwatch watch;
-    ZC_TRY(zones_.set_zones(entries));
+    ZC_TRY(zones_.show(shown));
     figures_.build_ms += watch.ms();
     figures_.bytes = 4 * (words + zones_.end_word() - zones_.root_word());
-    entries_ = std::move(entries);
     return options_.plain ? build_plain() : Status{};
   }
 
@@ -67,7 +63,8 @@ class ZonecastEngine final : public TraceEngine {
       options.max_rays = max_rays_ = static_cast<std::uint32_t>(rays.size());
       options.page_depth = page_depth_ + zones_.top_depth_bound();  // the plain pool has no top level of its own
       options.trace = options_.variant;
-      const TraceLimits limits = trace_limits(device_, options.page_depth, traced.top_depth_bound());
+      const TraceLimits limits =
+          trace_limits(device_, options.page_depth, traced.top_depth_bound(), traced.all_as_texels());
       if (const auto why_not = unsupported_reason(options.trace, limits); !why_not.empty())
         return Error{ErrorCode::kUnsupported, std::string(why_not)};
       if (options_.plain)
@@ -96,8 +93,8 @@ class ZonecastEngine final : public TraceEngine {
         hit.page_word = triangle.page_word;
         hit.triangle = triangle.position;
       }
-      const auto zone = std::ranges::lower_bound(entries_, hit.page_word, {}, &gpu::ZoneEntry::page_word);
-      ZC_CHECK(zone != entries_.end() && zone->page_word == hit.page_word);
+      const auto zone = std::ranges::lower_bound(zones_.shown(), hit.page_word, {}, &gpu::ZoneEntry::page_word);
+      ZC_CHECK(zone != zones_.shown().end() && zone->page_word == hit.page_word);
       hits[i] = {hit.t, scene_->zones[zone->node].first + order_[zone->node].at(hit.triangle)};
     }
     return milliseconds;
@@ -150,7 +147,6 @@ class ZonecastEngine final : public TraceEngine {
   ZoneSet plain_zones_;  // a pool alone
   std::vector<PlainTriangle> plain_triangles_;
   std::uint32_t plain_first_ = 0;
-  std::vector<gpu::ZoneEntry> entries_;
   std::vector<std::vector<std::uint32_t>> order_;  // by zone
   std::unique_ptr<Tracer> tracer_;
   std::uint32_t max_rays_ = 0;

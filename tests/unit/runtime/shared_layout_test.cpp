@@ -26,9 +26,7 @@ struct Layout {
 const std::map<std::string, Layout>& host_layouts() {
   static const std::map<std::string, Layout> layouts = {
       {"ZoneEntry",
-       {sizeof(zc::gpu::ZoneEntry),
-        {AT(ZoneEntry, origin_x), AT(ZoneEntry, origin_y), AT(ZoneEntry, origin_z), AT(ZoneEntry, step_shift),
-         AT(ZoneEntry, page_word), AT(ZoneEntry, node), AT(ZoneEntry, error_m), AT(ZoneEntry, flags)}}},
+       {sizeof(zc::gpu::ZoneEntry), {AT(ZoneEntry, page_word), AT(ZoneEntry, node), AT(ZoneEntry, flags)}}},
       {"MaterialEntry",
        {sizeof(zc::gpu::MaterialEntry),
         {AT(MaterialEntry, base_r), AT(MaterialEntry, base_g), AT(MaterialEntry, base_b), AT(MaterialEntry, roughness),
@@ -38,7 +36,10 @@ const std::map<std::string, Layout>& host_layouts() {
        {sizeof(zc::gpu::RayTask),
         {AT(RayTask, origin_x), AT(RayTask, origin_y), AT(RayTask, origin_z), AT(RayTask, t_min), AT(RayTask, dir_x),
          AT(RayTask, dir_y), AT(RayTask, dir_z), AT(RayTask, origin_normal)}}},
-      {"HitRecord", {sizeof(zc::gpu::HitRecord), {AT(HitRecord, t), AT(HitRecord, triangle), AT(HitRecord, pixel)}}},
+      {"HitRecord",
+       {sizeof(zc::gpu::HitRecord), {AT(HitRecord, t), AT(HitRecord, triangle_word), AT(HitRecord, pixel)}}},
+      {"ResolvedHit",
+       {sizeof(zc::gpu::ResolvedHit), {AT(ResolvedHit, t), AT(ResolvedHit, page_word), AT(ResolvedHit, triangle)}}},
       {"FallbackRays",
        {sizeof(zc::gpu::FallbackRays),
         {AT(FallbackRays, first_ray), AT(FallbackRays, mask_low), AT(FallbackRays, mask_high)}}},
@@ -123,10 +124,11 @@ std::map<std::string, int> compare_blocks(std::span<const std::uint32_t> spirv) 
 
 TEST(SharedLayout, EveryStructHasTheOffsetsThatTheShadersUse) {
   std::map<std::string, int> seen;
-  for (const auto& shader : {zc::shader::draw_zone_vert(), zc::shader::draw_lines_vert(), zc::shader::light_surfaces(),
-                             zc::shader::reduce_depth(), zc::shader::classify_pixels(), zc::shader::size_dispatch(),
-                             zc::shader::march_screen(), zc::shader::trace_packets(), zc::shader::trace_rays(),
-                             zc::shader::shade_hits(), zc::shader::composite_frame(), zc::shader::show_debug()}) {
+  for (const auto& shader :
+       {zc::shader::draw_zone_vert(), zc::shader::draw_lines_vert(), zc::shader::light_surfaces(),
+        zc::shader::reduce_depth(), zc::shader::classify_pixels(), zc::shader::size_dispatch(),
+        zc::shader::march_screen(), zc::shader::trace_packets(), zc::shader::trace_rays(), zc::shader::resolve_hits(),
+        zc::shader::shade_hits(), zc::shader::composite_frame(), zc::shader::show_debug()}) {
     for (const auto& [name, count] : compare_blocks(shader)) seen[name] += count;
   }
   for (const auto& [name, layout] : host_layouts()) EXPECT_GT(seen[name], 0) << name << " is in no shader";

@@ -73,6 +73,16 @@ TEST(TraceVariant, SharedStacksTakeEightBytesAnEntryOfEveryInvocation) {
   EXPECT_NE(unsupported_reason(shared, {8, 24 * 64 * 8 - 1, 24}), "");
 }
 
+TEST(TraceVariant, PoolsThatTexelsDoNotReachAreReadThroughStorage) {
+  TraceLimits limits = kRoomy;
+  limits.texels = false;
+  for (const TraceVariant& variant : all_trace_variants()) {
+    EXPECT_EQ(unsupported_reason(variant, limits).empty(), variant.pool_path == gpu::kPoolStorage);
+    EXPECT_EQ(nearest_fit(variant, limits).pool_path, gpu::kPoolStorage);
+  }
+  EXPECT_EQ(choose(limits, {{"single+texels", 1}, {"packets64+texels", 1}}), "packets64+storage");
+}
+
 TEST(TraceVariant, TheFastestOfEachStepIsChosen) {
   EXPECT_EQ(choose(kRoomy, {{"single+storage", 5}, {"single+storage+shared", 4}, {"single+storage+shared+w32", 3}}),
             "single+storage+shared+w32");

@@ -102,7 +102,7 @@ TEST(PagePool, keeps_every_page_whole_through_evictions_and_moves_no_more_than_i
   }
   HeapPageSink sink;
   const std::uint64_t words = all_words / 3;
-  ASSERT_TRUE(sink.create(words).ok());
+  ASSERT_TRUE(sink.create(words, index.nodes.size()).ok());
   PagePool pool(index, sink, words, index.nodes.size());
   ASSERT_TRUE(pool.add(0, pages[0]).ok());
   std::mt19937 random(5);

@@ -61,7 +61,7 @@ TEST(PoolAllocator, never_gives_a_word_twice) {
 
 TEST(HeapPageSink, moves_overlapping_ranges_like_memmove) {
   HeapPageSink sink;
-  ASSERT_TRUE(sink.create(16).ok());
+  ASSERT_TRUE(sink.create(16, 1).ok());
   const std::vector<std::uint32_t> page = {1, 2, 3, 4, 5, 6};
   ASSERT_TRUE(sink.upload(4, page).ok());
   ASSERT_TRUE(sink.move(4, 2, 6).ok());
