@@ -7,6 +7,8 @@
 #include <vulkan/vulkan.h>
 
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 
@@ -21,6 +23,18 @@ struct FrameCamera {
   float near_m = 0.1F;         // of the depth buffer: depth is near_m over the distance along `forward`
   float ray_length_m = 20000;  // no ray needs to go further
 };
+
+// Puts the eye at a position of the world's CRS (metres). anchor, step_m: of the world's index.
+inline void place_eye(FrameCamera& camera, const glm::dvec3& eye_m, const std::array<std::int64_t, 3>& anchor,
+                      double step_m) {
+  camera.step_m = step_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    const double lattice = eye_m[axis] / step_m - static_cast<double>(anchor[i]);
+    camera.lattice[i] = static_cast<std::int32_t>(std::llround(lattice));
+    camera.eye[axis] = static_cast<float>((lattice - camera.lattice[i]) * step_m);
+  }
+}
 
 struct FrameSun {
   glm::vec3 direction = {0, 0, 1};  // unit, towards the sun

@@ -112,7 +112,10 @@ Status Reflections::schedule() {
   scheduled_.clear();
   for (const ListedPass& listed : all_passes()) {
     if (listed.pass->left_out(now) != nullptr) continue;
-    ZC_ASSIGN(Program * program, programs_.compute(listed.name, listed.spirv(), constants));
+    const auto adapted = std::ranges::find(options_.adapted_shaders, listed.name, &AdaptedShader::pass);
+    const bool is_adapted = adapted != options_.adapted_shaders.end();
+    ZC_ASSIGN(Program * program,
+              programs_.compute(listed.name, is_adapted ? adapted->spirv : listed.spirv(), constants));
     scheduled_.push_back({listed.pass, program});
   }
   return {};

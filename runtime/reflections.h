@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runtime/device/program_cache.h"
@@ -26,6 +27,12 @@
 
 namespace zc {
 
+// A pass's shader, compiled with a host's own files in the place of those in shaders/adapter/.
+struct AdaptedShader {
+  std::string_view pass;  // classify_pixels, march_screen or shade_hits
+  std::span<const std::uint32_t> spirv;
+};
+
 struct ReflectionsOptions {
   std::uint32_t width = 1280;  // of the host's images, pixels
   std::uint32_t height = 720;
@@ -39,6 +46,7 @@ struct ReflectionsOptions {
   bool statistics = false;             // time the passes and read the counters back; see report()
   bool general = false;                // schedule every pass, whatever the scene needs: to measure what that costs
   bool check_access = false;           // count reads outside the traced pages, and divert them: for tests
+  std::vector<AdaptedShader> adapted_shaders = {};  // borrowed code
   // Pixels are classified by a thread each; none: where the device is a GPU.
   std::optional<bool> thread_per_pixel = {};
 };

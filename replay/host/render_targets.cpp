@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "runtime/device/commands.h"
+
 namespace zc {
 namespace {
 
@@ -118,20 +120,6 @@ Status RenderTargets::create(Device& device, std::uint32_t width, std::uint32_t 
       vkCmdClearColorImage(c, image->handle(), VK_IMAGE_LAYOUT_GENERAL, &black, 1, &whole);
     }
   });
-}
-
-void change_layout(VkCommandBuffer commands, const Image& image, VkImageLayout from, VkImageLayout to) {
-  VkImageMemoryBarrier barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
-  barrier.srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT;
-  barrier.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
-  barrier.oldLayout = from;
-  barrier.newLayout = to;
-  barrier.srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-  barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-  barrier.image = image.handle();
-  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, nullptr,
-                       0, nullptr, 1, &barrier);
 }
 
 }  // namespace zc

@@ -27,7 +27,4 @@ struct RenderTargets {
   Device* device_ = nullptr;
 };
 
-// Its whole content, from one layout to another; waits for everything before and is waited for by everything after.
-void change_layout(VkCommandBuffer commands, const Image& image, VkImageLayout from, VkImageLayout to);
-
 }  // namespace zc

@@ -96,6 +96,7 @@ Status StandInHost::create_reflections() {
   r.frames_in_flight = 1;  // every frame is waited for and read back
   r.statistics = true;
   r.general = options_.leave_nothing_out;
+  r.thread_per_pixel = options_.thread_per_pixel;
   r.check_access = options_.check_access;
   const ZoneSet& traced = mode == ReflectionMode::kFull ? full_detail_ : proxies_;
   ZC_ASSIGN(reflections_, Reflections::create(device_, traced, material_entries_, r));
@@ -139,6 +140,7 @@ Status StandInHost::reconfigure(const HostOptions& options) {
   r.screen_steps = options.screen_steps;
   r.trace = options.trace;
   r.general = options.leave_nothing_out;
+  r.thread_per_pixel = options.thread_per_pixel;
   return reflections_->reconfigure(r);
 }
 

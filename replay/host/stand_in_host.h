@@ -39,6 +39,7 @@ struct HostOptions {
   std::uint32_t screen_steps = 256;
   std::uint32_t page_depth = gpu::kPageMaxDepth;  // deepest page that will be traced
   TraceVariant trace;                             // where it is not supported: nearest_fit()
+  std::optional<bool> thread_per_pixel = {};      // see ReflectionsOptions
   bool leave_nothing_out = false;                 // schedule every pass of the reflections
   std::uint32_t step_limit = 0;                   // see ReflectionsOptions
   bool check_access = false;                      // see ReflectionsOptions

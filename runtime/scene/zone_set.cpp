@@ -10,7 +10,6 @@
 namespace zc {
 namespace {
 
-constexpr VkDeviceSize kStagingBytes = VkDeviceSize{64} << 10U;  // two or three pages: it counts against the cap
 // What drivers round the three buffers up by, and allocators the lists, ours and the top-level builder's: blocks of
 // 128 KiB and more to whole pages of 4 KiB, smaller ones to a few words.
 constexpr std::uint64_t kRoundingBytes = 3 * 1024 + 17 * 32;
@@ -18,37 +17,22 @@ constexpr std::uint64_t rounded(std::uint64_t bytes) { return bytes + bytes / 32
 
 constexpr std::uint64_t kNodeBytes = sizeof(gpu::PageNode);
 
-void wait_for_transfer(VkCommandBuffer commands) {
-  VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
-  barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-  barrier.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
-  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 1, &barrier, 0,
-                       nullptr, 0, nullptr);
-}
-
-void copy(VkCommandBuffer commands, const Buffer& from, VkDeviceSize from_bytes, const Buffer& to,
-          VkDeviceSize to_bytes, VkDeviceSize bytes) {
-  const VkBufferCopy region{from_bytes, to_bytes, bytes};
-  vkCmdCopyBuffer(commands, from.handle(), to.handle(), 1, &region);
-  wait_for_transfer(commands);
-}
-
 }  // namespace
 
-SinkCosts ZoneSet::costs_anywhere() {
+SinkCosts ZoneSet::costs_anywhere(const ZoneSetOptions& options) {
   constexpr std::uint64_t lists = sizeof(Resident) + sizeof(PageRoot) + sizeof(std::uint32_t) + sizeof(gpu::ZoneEntry) +
                                   sizeof(std::uint32_t) + sizeof(TracedPage);
   SinkCosts costs;
   costs.buffer_fixed_bytes = kTopLevelFixedNodes * kNodeBytes;
   costs.buffer_bytes_per_page = kTopLevelNodesPerPage * kNodeBytes;
-  costs.fixed_bytes = costs.buffer_fixed_bytes + kStagingBytes + TopLevelBuilder::kFixedBytes + kRoundingBytes;
+  costs.fixed_bytes = costs.buffer_fixed_bytes + options.staging_bytes + TopLevelBuilder::kFixedBytes + kRoundingBytes;
   costs.bytes_per_page =
       costs.buffer_bytes_per_page + sizeof(gpu::ZoneEntry) + rounded(lists + TopLevelBuilder::kBytesPerPage);
   return costs;
 }
 
 SinkCosts ZoneSet::costs() const {
-  SinkCosts costs = costs_anywhere();
+  SinkCosts costs = costs_anywhere(options_);
   costs.buffer_limit_bytes =
       std::min<std::uint64_t>(device_.limits().maxStorageBufferRange, 4 * std::uint64_t{gpu::kPoolMaxWords});
   return costs;
@@ -91,27 +75,22 @@ Status ZoneSet::create_buffers(std::uint64_t pool_bytes) {
   ZC_ASSIGN(texels4_, BufferView::create(device_, pool_, VK_FORMAT_R32G32B32A32_UINT, 4 * texels));
   const VkDeviceSize zones = std::max<std::uint32_t>(max_pages_, 1);
   ZC_ASSIGN(zones_, Buffer::create(device_, zones * sizeof(gpu::ZoneEntry), usage, MemoryUse::kDevice));
-  if (use_staging_ || pool_.mapped().empty() || zones_.mapped().empty()) {
-    use_staging_ = true;
-    ZC_ASSIGN(staging_, Buffer::create(device_, kStagingBytes, usage, MemoryUse::kUpload));
-  }
-  return {};
+  is_mapped_ =
+      options_.frames_in_flight == 0 && !options_.use_staging && !pool_.mapped().empty() && !zones_.mapped().empty();
+  return is_mapped_ ? Status{} : transfers_.create(options_.staging_bytes, std::max(1U, options_.frames_in_flight));
 }
 
 Status ZoneSet::write(const Buffer& target, std::uint64_t offset_bytes, std::span<const std::byte> bytes) {
   ZC_CHECK(offset_bytes + bytes.size() <= target.bytes());
-  if (bytes.empty()) return {};  // the first tables are, and memcpy takes no null pointer
-  if (!use_staging_) {
-    std::memcpy(target.mapped().data() + offset_bytes, bytes.data(), bytes.size());
-    return {};
-  }
-  for (std::size_t done = 0; done < bytes.size();) {
-    const std::size_t part = std::min<std::size_t>(bytes.size() - done, kStagingBytes);
-    std::memcpy(staging_.mapped().data(), bytes.data() + done, part);
-    ZC_TRY(device_.run([&](VkCommandBuffer c) { copy(c, staging_, 0, target, offset_bytes + done, part); }));
-    done += part;
-  }
+  if (!is_mapped_) return transfers_.write(target, offset_bytes, bytes);
+  if (!bytes.empty()) std::memcpy(target.mapped().data() + offset_bytes, bytes.data(), bytes.size());
   return {};
+}
+
+// Ends a call of the sink: where the device is idle, now.
+Status ZoneSet::settle() {
+  if (is_mapped_ || options_.frames_in_flight > 0) return {};
+  return transfers_.finish();
 }
 
 std::vector<ZoneSet::Resident>::iterator ZoneSet::first_from(std::uint64_t word) {
@@ -149,20 +128,9 @@ Status ZoneSet::move(std::uint64_t from_words, std::uint64_t to_words, std::uint
   residents_.erase(resident);
   residents_.insert(first_from(to_words), {static_cast<std::uint32_t>(to_words), root});
   pages_changed_ = true;
-  if (!use_staging_) {
-    std::memmove(pool_.mapped().data() + to, pool_.mapped().data() + from, bytes);
-    return {};
-  }
-  // Copies within one buffer must not overlap: part by part through the staging buffer, from the side that is safe.
-  return device_.run([&](VkCommandBuffer c) {
-    for (VkDeviceSize done = 0; done < bytes;) {
-      const VkDeviceSize part = std::min(bytes - done, kStagingBytes);
-      const VkDeviceSize at = to < from ? done : bytes - done - part;
-      copy(c, pool_, from + at, staging_, 0, part);
-      copy(c, staging_, 0, pool_, to + at, part);
-      done += part;
-    }
-  });
+  if (!is_mapped_) return transfers_.move(pool_, from, to, bytes);
+  std::memmove(pool_.mapped().data() + to, pool_.mapped().data() + from, bytes);
+  return {};
 }
 
 Status ZoneSet::show(std::span<const ShownPage> pages) {
@@ -176,7 +144,8 @@ Status ZoneSet::show(std::span<const ShownPage> pages) {
     entries_[i] = entry;
   }
   if (!same_pages) ZC_TRY(build_top_level());
-  return write(zones_, 0, std::as_bytes(std::span(entries_)));
+  ZC_TRY(write(zones_, 0, std::as_bytes(std::span(entries_))));
+  return settle();
 }
 
 // Over the pages of the zone table.

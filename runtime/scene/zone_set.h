@@ -12,24 +12,39 @@
 
 #include "runtime/device/resources.h"
 #include "runtime/scene/top_level.h"
+#include "runtime/scene/transfers.h"
 #include "shaders/shared/scene.h"
 #include "streamer/page_sink.h"
 
 namespace zc {
 
+struct ZoneSetOptions {
+  // Recorded frames that may not have been executed when the next is recorded; what comes then waits for
+  // record_transfers(). 0: the device is idle whenever a page comes, and everything is written at once.
+  std::uint32_t frames_in_flight = 0;
+  std::uint64_t staging_bytes = 64U << 10U;  // two or three pages: it counts against the cap
+  bool use_staging = false;                  // even where the pool is mapped: to test the path of discrete GPUs
+};
+
 class ZoneSet final : public PageSink {
  public:
-  // use_staging: copy through a staging buffer even where the pool is mapped (tests the path of discrete GPUs).
-  explicit ZoneSet(Device& device, bool use_staging = false) : device_(device), use_staging_(use_staging) {}
+  explicit ZoneSet(Device& device, const ZoneSetOptions& options = {})
+      : device_(device), options_(options), transfers_(device) {}
 
   // On any device, apart from what that binds.
-  [[nodiscard]] static SinkCosts costs_anywhere();
+  [[nodiscard]] static SinkCosts costs_anywhere(const ZoneSetOptions& options = {});
   [[nodiscard]] SinkCosts costs() const override;
   Status create(std::uint64_t capacity_words, std::uint64_t max_pages) override;
   Status upload(std::uint64_t offset_words, std::span<const std::uint32_t> page) override;
   Status move(std::uint64_t from_words, std::uint64_t to_words, std::uint64_t count_words) override;
   void remove(std::uint64_t offset_words) override;
   Status show(std::span<const ShownPage> pages) override;
+
+  // With frames_in_flight: records what came, moved and is shown since the last time. Before a frame's passes, in a
+  // command buffer that is submitted before later ones.
+  void record_transfers(VkCommandBuffer commands) { transfers_.record(commands); }
+  // How often the staging memory was too small and the queue was waited for.
+  [[nodiscard]] std::uint64_t transfer_waits() const { return transfers_.waits(); }
 
   [[nodiscard]] const Buffer& pool() const { return pool_; }
   [[nodiscard]] const Buffer& zones() const { return zones_; }
@@ -61,12 +76,14 @@ class ZoneSet final : public PageSink {
   Status write(const Buffer& target, std::uint64_t offset_bytes, std::span<const std::byte> bytes);
   std::vector<Resident>::iterator first_from(std::uint64_t word);
   Status build_top_level();
+  Status settle();
 
   Device& device_;
-  bool use_staging_;
+  const ZoneSetOptions options_;
+  bool is_mapped_ = false;  // and the device idle between frames: written at once
   Buffer pool_;
   Buffer zones_;
-  Buffer staging_;
+  Transfers transfers_;
   BufferView texels_;
   BufferView texels4_;
   bool all_as_texels_ = true;

@@ -74,7 +74,7 @@ class RenderedWorld {
     device.validation = true;
     ZC_ASSIGN(device_, Device::create(device));
     proxies_.emplace(*device_);
-    host_.emplace(*device_, /*use_staging=*/true);  // the path of discrete GPUs is under test as well
+    host_.emplace(*device_, ZoneSetOptions{.use_staging = true});  // the path of discrete GPUs is under test as well
     claim_.emplace(*proxies_, claimed_error_m);
     StreamerOptions paging;
     paging.cap_bytes = 128U << 20U;
@@ -109,13 +109,7 @@ class RenderedWorld {
   [[nodiscard]] FrameCamera camera(const glm::dvec3& eye, const glm::vec3& right, const glm::vec3& up,
                                    const glm::vec3& forward) const {
     FrameCamera camera;
-    camera.step_m = index().step_m();
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto i = static_cast<std::size_t>(axis);
-      const double lattice = eye[axis] / camera.step_m - static_cast<double>(index().header.anchor[i]);
-      camera.lattice[i] = static_cast<std::int32_t>(std::llround(lattice));
-      camera.eye[axis] = static_cast<float>((lattice - camera.lattice[i]) * camera.step_m);
-    }
+    place_eye(camera, eye, index().header.anchor, index().step_m());
     camera.right = right;
     camera.up = up;
     camera.forward = forward;
