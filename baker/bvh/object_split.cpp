@@ -168,7 +168,7 @@ ObjectSplit find_object_split(std::span<const PackedBox> references) {
 
 void apply(const ObjectSplit& split, std::span<PackedBox> references) {
   if (split.kind == ObjectSplit::Kind::kBinned) {
-    std::ranges::partition(references, [&](const PackedBox& r) {
+    std::partition(references.begin(), references.end(), [&](const PackedBox& r) {
       return static_cast<std::int32_t>((static_cast<float>(r.center(split.axis)) - split.low) * split.scale) <=
              split.last_bin;
     });
