@@ -101,7 +101,7 @@ ObjectSplit bin(std::span<const PackedBox> references, const CenterRange& center
   // The greatest centre stays below the last bin's end: extents are below 2^18, where one part more is many roundings.
   const Float4 scale = static_cast<float>(count_of_bins) / (centers.high - centers.low + 1.0F);
   for (const PackedBox& r : references) {
-    const Int4 b = __builtin_convertvector((r.centers() - centers.low) * scale, Int4);
+    const Int4 b = to_ints((r.centers() - centers.low) * scale);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto at = static_cast<std::uint32_t>(b[axis]);
       bins[axis].boxes[at].add(r);
