@@ -76,10 +76,10 @@ Status run(const Arguments& arguments) {
     spdlog::warn("{} of {} frames do not look at the world; they count as equal", report.blind_frames,
                  report.frames.size());
   if (!report.source_complete)
-    spdlog::warn("--budget does not hold all of the full detail: proxies stand in for it where it is far away");
+    spdlog::warn("--budget is too small for all of the full detail: proxies stand in for it where it is far away");
   for (const ComparedLevel& level : report.levels)
     if (level.incomplete)
-      spdlog::warn("--budget does not hold all of level {}: it is coarser where it is far away", level.name);
+      spdlog::warn("--budget is too small for all of level {}: it is coarser where it is far away", level.name);
   if (!arguments.json.replaces_text()) print_table(report, options.out);
   if (!arguments.json.asked) return {};
   ZC_ASSIGN(const std::vector<std::byte> json, read_file(options.out / "compare.json", kReportLimitBytes));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How --help looks: lines of at most 110 columns, ranges of values left to the message of a value beyond. Thread-safe:
-// no state.
+// The form of --help: lines of at most 110 columns, ranges of values left to the message of a value beyond.
+// Thread-safe: no state.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -97,7 +97,7 @@ Status run(const Arguments& a) {
 void add_bench_trace(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
-      "trace", "Trace the same rays through our kernels and every peer, and hold all hits against double precision");
+      "trace", "Trace the same rays through our kernels and every peer, and compare all hits with double precision");
   add_world_option(*command, a->world, "without it and --triangles: the generated city");
   command->add_option("--path", a->subject.path, "Camera path or still views: mirror rays of what the camera sees");
   command->add_option("--frame", a->subject.frame, "Sample of the path")->capture_default_str();
