@@ -9,6 +9,8 @@
 #include <cstring>
 #include <utility>
 
+#include "base/platform.h"
+
 namespace zc {
 namespace {
 
@@ -119,7 +121,7 @@ Status write_file_parts(const std::filesystem::path& path, std::span<const std::
   for (int links = 0; links < 40 && std::filesystem::is_symlink(target, failure); ++links)
     target = target.parent_path() / std::filesystem::read_symlink(target, failure);
   std::filesystem::path temporary = target;
-  temporary += ".tmp" + std::to_string(::getpid());
+  temporary += ".tmp" + process_name();
   if (Status written = write_bytes(temporary, O_CREAT | O_TRUNC, path, parts); !written.ok()) {
     ::unlink(temporary.c_str());
     return written;

@@ -1,19 +1,30 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what a build needs on Debian 12; does nothing where all of it is there.
+# Installs Debian 12's packages for a purpose, or several: build (and run) the binary, tests, checks of the source.
+# Does nothing where all are there. Usage: tests/packages.sh build|tests|checks...
 set -euo pipefail
 
-packages=(
-  cmake ninja-build g++ ccache pkg-config python3
-  libcgal-dev libopenmesh-dev libdraco-dev libtinygltf-dev libglm-dev libtbb-dev libboost-dev
-  libvulkan-dev mesa-vulkan-drivers vulkan-validationlayers glslang-tools libspirv-cross-c-shared-dev
-  libcli11-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libspng-dev libstb-dev fonts-dejavu-core libgtest-dev
-  libembree-dev libmeshoptimizer-dev libpugixml-dev libminizip-dev libmd-dev libcurl4-openssl-dev libcpp-httplib-dev chromium
+build=(
+  cmake ninja-build g++ ccache pkg-config
+  libcgal-dev libopenmesh-dev libdraco-dev libtinygltf-dev libglm-dev libtbb-dev libboost-dev libembree-dev
+  libmeshoptimizer-dev libpugixml-dev libvulkan-dev mesa-vulkan-drivers vulkan-validationlayers glslang-tools
+  libcli11-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libspng-dev libstb-dev fonts-dejavu-core
+  libminizip-dev libmd-dev libcurl4-openssl-dev libcpp-httplib-dev
 )
+tests=(python3 libgtest-dev libspirv-cross-c-shared-dev chromium)
 # Whoever has npm, from wherever, has node too.
-command -v npm >/dev/null || packages+=(nodejs npm)
+command -v npm >/dev/null || tests+=(nodejs npm)
+checks=(git clang-14 clang-format-14 clang-tidy-14)
+
+wanted=()
+for purpose in "${@:-none}"; do
+  case $purpose in
+    build | tests | checks) declare -n list=$purpose && wanted+=("${list[@]}") ;;
+    *) echo "usage: tests/packages.sh build|tests|checks..." >&2 && exit 2 ;;
+  esac
+done
 missing=()
-for package in "${packages[@]}"; do
+for package in "${wanted[@]}"; do
   dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
 done
 [ ${#missing[@]} -eq 0 ] && exit 0

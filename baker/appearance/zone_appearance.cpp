@@ -87,6 +87,7 @@ class AppearanceMaker {
     for (int round = 0;; ++round) {
       const bool is_last = round == kRounds;
       std::vector<const Chart*> charts;
+      charts.reserve(chosen.size());
       for (const std::uint32_t c : chosen) charts.push_back(&charts_[c]);
       layout_ = charts.empty() ? std::nullopt : lay_out_atlas(charts, finest, options.max_size);
       std::vector<std::uint32_t> pictures;

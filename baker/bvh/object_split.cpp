@@ -101,7 +101,7 @@ ObjectSplit bin(std::span<const PackedBox> references, const CenterRange& center
   // The greatest centre stays below the last bin's end: extents are below 2^18, where one part more is many roundings.
   const Float4 scale = static_cast<float>(count_of_bins) / (centers.high - centers.low + 1.0F);
   for (const PackedBox& r : references) {
-    const Int4 b = __builtin_convertvector((r.centers() - centers.low) * scale, Int4);
+    const Int4 b = to_ints((r.centers() - centers.low) * scale);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto at = static_cast<std::uint32_t>(b[axis]);
       bins[axis].boxes[at].add(r);
@@ -168,7 +168,7 @@ ObjectSplit find_object_split(std::span<const PackedBox> references) {
 
 void apply(const ObjectSplit& split, std::span<PackedBox> references) {
   if (split.kind == ObjectSplit::Kind::kBinned) {
-    std::ranges::partition(references, [&](const PackedBox& r) {
+    std::partition(references.begin(), references.end(), [&](const PackedBox& r) {
       return static_cast<std::int32_t>((static_cast<float>(r.center(split.axis)) - split.low) * split.scale) <=
              split.last_bin;
     });

@@ -117,7 +117,7 @@ class Crossings {
       slope = (corner(to) - corner(from)) * scale;
     }
     [[nodiscard]] PackedBox at(std::uint32_t plane) const {
-      const auto point = __builtin_convertvector(base + slope * static_cast<float>(plane - start), Int4);
+      const auto point = to_ints(base + slope * static_cast<float>(plane - start));
       const auto halves = std::bit_cast<std::array<std::uint64_t, 2>>(point);
       return PackedBox::around((halves[0] & 0xFFFFU) | (halves[0] >> 16U & 0xFFFF0000U) | halves[1] << 32U);
     }

@@ -139,7 +139,7 @@ class Exterior {
       }
     }
     std::ranges::sort(others);
-    others.erase(std::ranges::unique(others).begin(), others.end());
+    others.erase(std::unique(others.begin(), others.end()), others.end());
     for (const std::uint32_t other : others) met.push_back({side, other});
   }
 

@@ -82,7 +82,7 @@ void to_draco(const QuantizedTriangles& mesh, draco::Mesh& out) {
   if (!mesh.colors.empty()) {
     std::vector<Rgb8> palette = mesh.colors;
     std::ranges::sort(palette);
-    palette.erase(std::ranges::unique(palette).begin(), palette.end());
+    palette.erase(std::unique(palette.begin(), palette.end()), palette.end());
     draco::GeometryAttribute color;
     color.Init(draco::GeometryAttribute::COLOR, nullptr, 3, draco::DT_UINT8, true, sizeof(Rgb8), 0);
     draco::PointAttribute& values =

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the benches share in telling their figures. Fails when a file cannot be written.
+// What the benchmarks share in printing their figures.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <iostream>
-#include <nlohmann/json.hpp>
-#include <span>
 #include <string>
 #include <vector>
-
-#include "base/file.h"
 
 namespace zc::bench {
 
@@ -28,17 +23,6 @@ inline double median(std::vector<double> values) {
   std::ranges::sort(values);
   const std::size_t half = values.size() / 2;
   return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
-
-// The table to standard output, the JSON to the file that was asked for, or to standard output instead of the table: -.
-inline Status print_figures(const std::string& table, const nlohmann::ordered_json& json,
-                            const std::string& json_file) {
-  if (json_file != "-") std::cout << table;
-  if (json_file.empty()) return {};
-  const std::string text = json.dump(2) + "\n";
-  if (json_file != "-") return write_file(json_file, std::as_bytes(std::span(text)));
-  std::cout << text;
-  return {};
 }
 
 }  // namespace zc::bench

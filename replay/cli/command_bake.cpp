@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -12,26 +13,53 @@
 #include "baker/bake.h"
 #include "baker/import/import.h"
 #include "baker/scene/bake_cache.h"
+#include "base/file.h"
 #include "base/text.h"
 #include "replay/cli/bvh_option.h"
 #include "replay/cli/commands.h"
+#include "replay/cli/json_option.h"
 #include "replay/cli/progress.h"
 #include "replay/session/units.h"
 
 namespace zc {
 namespace {
 
+constexpr std::uint64_t kReportLimitBytes = std::uint64_t{1} << 30U;
+
 struct Arguments {
   std::vector<std::string> inputs;
   std::string out;
+  JsonOption json;
   std::optional<std::string> sun;
   BakeOptions options;
 };
+
+// A city where FILE of --json should stand is there by mistake: `bake --json a.json b.json`.
+Status check_json_file(const JsonOption& json) {
+  std::ifstream file(json.file);
+  std::string begin(12, '\0');
+  if (json.file.empty() || !file.read(begin.data(), 12) || begin == "{\n  \"bake_s\"") return {};
+  return Error{ErrorCode::kArgument, "is there and not a bake's report; --json does not replace it", json.file};
+}
+
+void print_summary(const Arguments& arguments, const BakeReport& report, bool reused) {
+  std::size_t zones = 0;
+  for (const NodeRecord& node : report.index.nodes) zones += node.is_detail() ? 1 : 0;
+  const auto counted = [](std::uint64_t count, const char* what) {
+    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+  };
+  std::cout << arguments.out << ": " << counted(report.index.header.source_triangles, "triangle") << " in "
+            << counted(zones, "zone") << ", " << counted(report.index.nodes.size(), "node");
+  if (reused) std::cout << " (" << report.proxies_reused << " proxies as before)";
+  std::cout << ", " << std::fixed << std::setprecision(1) << report.seconds.total << " s, peak memory "
+            << format_bytes(report.peak_rss_bytes) << '\n';
+}
 
 Status run(const Arguments& arguments) {
   const auto is_empty = [](const std::string& name) { return name.empty(); };
   if (is_empty(arguments.out) || std::ranges::any_of(arguments.inputs, is_empty))
     return Error{ErrorCode::kArgument, "an input or the output has an empty name"};
+  ZC_TRY(check_json_file(arguments.json));
   std::error_code failure;
   const bool had_cache = std::filesystem::exists(std::filesystem::path(arguments.out) / kBakeCacheName, failure);
   ZC_ASSIGN(WorldWriter writer, WorldWriter::open(arguments.out));
@@ -57,8 +85,6 @@ Status run(const Arguments& arguments) {
   }
   const BakeReport& report = *baked;
 
-  std::size_t zones = 0;
-  for (const NodeRecord& node : report.index.nodes) zones += node.is_detail() ? 1 : 0;
   for (const auto* notes : {&report.notes, &report.repair.counts})
     for (const ImportCount& note : *notes) {
       const std::string first = note.names.empty() ? "" : " (first: " + printable(note.names.front(), 160) + ")";
@@ -66,15 +92,11 @@ Status run(const Arguments& arguments) {
     }
   if (report.interior_faces > 0)
     spdlog::info("faces that can be seen from nowhere outside, left out: {}", report.interior_faces);
-  const auto counted = [](std::uint64_t count, const char* what) {
-    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-  };
-  std::cout << arguments.out << ": " << counted(report.index.header.source_triangles, "triangle") << " in "
-            << counted(zones, "zone") << ", " << counted(report.index.nodes.size(), "node");
-  if (had_cache && options.reuse) std::cout << " (" << report.proxies_reused << " proxies as before)";
-  std::cout << ", " << std::fixed << std::setprecision(1) << report.seconds.total << " s, peak memory "
-            << format_bytes(report.peak_rss_bytes) << '\n';
-  return {};
+  if (!arguments.json.replaces_text()) print_summary(arguments, report, had_cache && options.reuse);
+  if (!arguments.json.asked) return {};
+  ZC_ASSIGN(const std::vector<std::byte> json,
+            read_file(std::filesystem::path(arguments.out) / kBakeReportName, kReportLimitBytes));
+  return write_json(arguments.json, {reinterpret_cast<const char*>(json.data()), json.size()});
 }
 
 }  // namespace
@@ -87,6 +109,7 @@ void add_bake(CLI::App& app, const SetCommand& set) {
                    "glTF, GLB, CityJSON 1.1/2.0, CityJSONSeq, CityGML 2.0 or 3D Tiles 1.0/1.1 (tileset.json) files; "
                    "-: CityJSONSeq from standard input")
       ->required();
+  add_json_option(*command, arguments->json, command->get_option("inputs"));
   command->add_option("-o,--output", arguments->out, "World folder to write; an old world there is replaced")
       ->required();
   command

@@ -9,7 +9,9 @@
 #include <optional>
 #include <thread>
 
+#include "base/file.h"
 #include "replay/cli/commands.h"
+#include "replay/cli/json_option.h"
 #include "replay/cli/progress.h"
 #include "replay/cli/world_option.h"
 #include "replay/compare/compare.h"
@@ -17,8 +19,11 @@
 namespace zc {
 namespace {
 
+constexpr std::uint64_t kReportLimitBytes = std::uint64_t{1} << 30U;
+
 struct Arguments {
   WorldOption world;
+  JsonOption json;
   std::string path, out, device, frames, size = "1280x720", budget = "256MiB";
   std::optional<std::string> sun;
   std::vector<double> tolerances = {0.002};
@@ -51,6 +56,16 @@ Result<CompareOptions> to_options(const Arguments& a) {
   return options;
 }
 
+void print_table(const CompareReport& report, const std::filesystem::path& out) {
+  std::cout << report.frames.size() << " frames against the full detail, on " << report.device << '\n'
+            << "level               triangles a frame   FLIP mean   worst frame\n";
+  for (const ComparedLevel& level : report.levels)
+    std::cout << std::left << std::setw(20) << level.name << std::right << std::setw(17)
+              << level.triangles / report.frames.size() << std::fixed << std::setprecision(4) << std::setw(12)
+              << level.mean_flip << std::setw(14) << *std::max_element(level.flip.begin(), level.flip.end()) << '\n';
+  std::cout << (out / "contact_sheet.png").string() << '\n';
+}
+
 Status run(const Arguments& arguments) {
   ZC_ASSIGN(CompareOptions options, to_options(arguments));
   std::optional<Progress> progress(std::in_place);
@@ -61,18 +76,14 @@ Status run(const Arguments& arguments) {
     spdlog::warn("{} of {} frames do not look at the world; they count as equal", report.blind_frames,
                  report.frames.size());
   if (!report.source_complete)
-    spdlog::warn("--budget does not hold all of the full detail: proxies stand in for it where it is far away");
+    spdlog::warn("--budget is too small for all of the full detail: proxies stand in for it where it is far away");
   for (const ComparedLevel& level : report.levels)
     if (level.incomplete)
-      spdlog::warn("--budget does not hold all of level {}: it is coarser where it is far away", level.name);
-  std::cout << report.frames.size() << " frames against the full detail, on " << report.device << '\n'
-            << "level               triangles a frame   FLIP mean   worst frame\n";
-  for (const ComparedLevel& level : report.levels)
-    std::cout << std::left << std::setw(20) << level.name << std::right << std::setw(17)
-              << level.triangles / report.frames.size() << std::fixed << std::setprecision(4) << std::setw(12)
-              << level.mean_flip << std::setw(14) << *std::max_element(level.flip.begin(), level.flip.end()) << '\n';
-  std::cout << (options.out / "contact_sheet.png").string() << '\n';
-  return {};
+      spdlog::warn("--budget is too small for all of level {}: it is coarser where it is far away", level.name);
+  if (!arguments.json.replaces_text()) print_table(report, options.out);
+  if (!arguments.json.asked) return {};
+  ZC_ASSIGN(const std::vector<std::byte> json, read_file(options.out / "compare.json", kReportLimitBytes));
+  return write_json(arguments.json, {reinterpret_cast<const char*>(json.data()), json.size()});
 }
 
 }  // namespace
@@ -82,7 +93,7 @@ void add_compare(CLI::App& app, const SetCommand& set) {
   CLI::App* command = app.add_subcommand("compare",
                                          "Draw a world's proxies, level by level, against its full detail: pictures, "
                                          "maps of the difference, a contact sheet");
-  add_world_option(*command, a->world);
+  add_json_option(*command, a->json, add_world_option(*command, a->world));
   command->add_option("--path", a->path, "Camera path (CSV) or still views (shots.json) [a flight over the world]");
   command->add_option("-o,--output", a->out, "Folder for pictures, maps of FLIP, contact_sheet.png and compare.json")
       ->required();

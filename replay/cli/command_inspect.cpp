@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "replay/cli/commands.h"
+#include "replay/cli/json_option.h"
 #include "replay/cli/progress.h"
 #include "replay/cli/world_option.h"
 #include "replay/report/thesis_table.h"
@@ -23,7 +24,7 @@ constexpr std::size_t kFailuresShown = 20;
 
 struct Arguments {
   WorldOption world;
-  bool json = false;
+  JsonOption json;
   bool verify = false;
 };
 
@@ -36,13 +37,13 @@ void print_table(const nlohmann::ordered_json& json, const WorldIndex& index) {
             << format_bytes(json["smallest_cap_bytes"]) << "\n"
             << "on disk: glb " << format_bytes(json["disk_bytes"]["glb"]) << ", zbvh "
             << format_bytes(json["disk_bytes"]["zbvh"]) << ", index " << format_bytes(json["disk_bytes"]["index"])
-            << "\n\n depth   nodes  triangles   B/triangle  error max m  error mean m  look max m\n";
+            << "\n\n depth   nodes  triangles   B/triangle  error max m  error mean m  appearance max m\n";
   for (const auto& level : json["levels"]) {
     std::cout << std::setw(6) << (level["detail"] ? std::string("detail") : level["depth"].dump()) << std::setw(8)
               << level["nodes"].dump() << std::setw(11) << level["triangles"].dump() << std::fixed
               << std::setprecision(1) << std::setw(13) << level["bytes_per_triangle"].get<double>()
               << std::setprecision(3) << std::setw(13) << level["error_m_max"].get<double>() << std::setw(14)
-              << level["error_m_mean"].get<double>() << std::setw(12) << level["appearance_error_m_max"].get<double>()
+              << level["error_m_mean"].get<double>() << std::setw(18) << level["appearance_error_m_max"].get<double>()
               << '\n';
   }
   std::cout << "\nbytes a proxy triangle, resident:" << std::setprecision(2);
@@ -74,13 +75,12 @@ Status run(const Arguments& arguments) {
                             [&](double fraction, std::string_view stage) { progress.update(fraction, stage); });
     json["verified"] = {{"nodes", index.nodes.size()}, {"failures", failures.size()}};
   }
-  if (arguments.json) {
-    std::cout << json.dump(2) << '\n';
-  } else {
+  if (!arguments.json.replaces_text()) {
     print_table(json, index);
     if (arguments.verify)
       std::cout << "\nverified " << index.nodes.size() << " nodes, " << json["verified"]["failures"] << " failures\n";
   }
+  ZC_TRY(write_json(arguments.json, json.dump(2)));
   if (failures.empty()) return {};
   // A line each; the first one is this command's own.
   for (std::size_t i = 1; i < std::min(failures.size(), kFailuresShown); ++i)
@@ -93,9 +93,8 @@ Status run(const Arguments& arguments) {
 
 void add_inspect(CLI::App& app, const SetCommand& set) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("inspect", "Show what a world holds: bounds, zones, levels, bytes, errors");
-  add_world_option(*command, arguments->world);
-  command->add_flag("--json", arguments->json, "Print JSON");
+  CLI::App* command = app.add_subcommand("inspect", "Show what a world contains: bounds, zones, levels, bytes, errors");
+  add_json_option(*command, arguments->json, add_world_option(*command, arguments->world));
   command->add_flag("--verify", arguments->verify, "Read, decode and check every page; exit 1 when one fails");
   command->callback([=] { set([=] { return run(*arguments); }); });
 }

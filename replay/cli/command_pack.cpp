@@ -2,8 +2,10 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "replay/cli/commands.h"
+#include "replay/cli/json_option.h"
 #include "replay/cli/progress.h"
 #include "replay/cli/world_option.h"
 #include "replay/files/archive_writer.h"
@@ -17,6 +19,7 @@ namespace {
 
 struct Arguments {
   WorldOption world;
+  JsonOption json;
   std::string out;
 };
 
@@ -46,9 +49,11 @@ Status run(const Arguments& arguments) {
     progress.update(static_cast<double>(i + 1) / static_cast<double>(index.nodes.size()), "pack");
   }
   ZC_TRY(writer.commit());
-  std::cout << arguments.out << ": " << index.nodes.size() << " nodes, "
-            << format_bytes(std::filesystem::file_size(out, code)) << '\n';
-  return {};
+  const std::uint64_t bytes = std::filesystem::file_size(out, code);
+  if (!arguments.json.replaces_text())
+    std::cout << arguments.out << ": " << index.nodes.size() << " nodes, " << format_bytes(bytes) << '\n';
+  const nlohmann::ordered_json report = {{"archive", arguments.out}, {"nodes", index.nodes.size()}, {"bytes", bytes}};
+  return write_json(arguments.json, report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 }  // namespace
@@ -56,7 +61,7 @@ Status run(const Arguments& arguments) {
 void add_pack(CLI::App& app, const SetCommand& set) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("pack", "Put a world into one file, a 3D Tiles archive");
-  add_world_option(*command, arguments->world);
+  add_json_option(*command, arguments->json, add_world_option(*command, arguments->world));
   command->add_option("-o,--output", arguments->out, "Archive to write, NAME.3tz")->required();
   command->callback([=] { set([=] { return run(*arguments); }); });
 }

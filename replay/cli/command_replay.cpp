@@ -11,6 +11,7 @@
 
 #include "base/file.h"
 #include "replay/cli/commands.h"
+#include "replay/cli/json_option.h"
 #include "replay/cli/progress.h"
 #include "replay/cli/world_option.h"
 #include "replay/session/replay_session.h"
@@ -25,6 +26,7 @@ namespace {
 // As typed; parsed in run(), so that every fault is one line and exit code 2.
 struct Arguments {
   WorldOption world;
+  JsonOption json;
   std::string out;
   std::vector<std::string> paths;
   std::string cap;
@@ -132,11 +134,10 @@ Status run(const Arguments& arguments) {
   options.progress = [&](double fraction, std::string_view stage) { progress.update(fraction, stage); };
   options.on_failure = [](const Error& error) { spdlog::warn("{}", error.describe()); };
   ZC_ASSIGN(const ReplayReport report, run_replay(options));
-  if (!options.out.empty()) {
-    const std::string text = statistics_json(report).dump(2) + "\n";
-    ZC_TRY(write_file(options.out / "stats.json", std::as_bytes(std::span(text))));
-  }
-  print_summary(report);
+  const std::string text = statistics_json(report).dump(2) + "\n";
+  if (!options.out.empty()) ZC_TRY(write_file(options.out / "stats.json", std::as_bytes(std::span(text))));
+  if (!arguments.json.replaces_text()) print_summary(report);
+  ZC_TRY(write_json(arguments.json, text));
   if (report.validation_messages > 0)
     return Error{ErrorCode::kDevice, std::to_string(report.validation_messages) + " Vulkan validation messages"};
   return {};
@@ -147,15 +148,14 @@ Status run(const Arguments& arguments) {
 void add_replay(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("replay", "Page and render a world along a camera path under a memory cap");
-  add_world_option(*command, a->world);
+  add_json_option(*command, a->json, add_world_option(*command, a->world));
   command
-      ->add_option(
-          "--path", a->paths,
-          "Camera path (CSV) or still views (shots.json) [a flight over the world]. More than once: that many cameras "
-          "under one cap, all at the times of the first; pictures of the second go to camera_1, and so on")
+      ->add_option("--path", a->paths,
+                   "Camera path (CSV) or still views (shots.json) [a flight over the world]; several: so many cameras "
+                   "under one cap")
       ->expected(1)
       ->take_all();
-  command->add_option("--cap", a->cap, "Hard cap on everything the streamer holds, e.g. 64MiB")->required();
+  command->add_option("--cap", a->cap, "Hard cap on all memory of the streamer, e.g. 64MiB")->required();
   command->add_option("-o,--output", a->out, "Folder for frames, stats.json and frames.csv");
   command->add_option("--frames", a->frames, "Path samples A (inclusive) to B (exclusive): A:B, A:B:STEP or all");
   command->add_option("--size", a->size, "Picture size")->capture_default_str();
@@ -185,8 +185,7 @@ void add_replay(CLI::App& app, const SetCommand& set) {
       ->option_text("virtual|wall [virtual]");
   command->add_option("--source-latency", a->latency, "Modelled source: latency of a request (virtual clock)")
       ->capture_default_str();
-  command->add_option("--source-bandwidth", a->bandwidth,
-                      "Modelled source: bandwidth, e.g. 20MB/s (default: unlimited)");
+  command->add_option("--source-bandwidth", a->bandwidth, "Modelled source: bandwidth, e.g. 20MB/s [unlimited]");
   command->add_option("--threads", a->threads, "Streaming threads (0: all cores)")
       ->capture_default_str()
       ->check(CLI::Range(0U, 256U));
@@ -203,23 +202,20 @@ void add_replay(CLI::App& app, const SetCommand& set) {
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, Prediction>{{"path", Prediction::kPath}, {"velocity", Prediction::kVelocity}}))
       ->option_text("path|velocity [path]");
-  command->add_option("--upload-budget", a->upload_budget,
-                      "Bytes of pages that a frame may upload (default: unlimited)");
+  command->add_option("--upload-budget", a->upload_budget, "Bytes of pages that a frame may upload [unlimited]");
   command->add_flag("--trace", a->trace,
                     "Also write trace.json: what paging did and when, for Perfetto or chrome://tracing");
-  command
-      ->add_option("--host-budget", a->host_budget, "Memory of the stand-in host's full-detail zones, outside the cap")
+  command->add_option("--host-budget", a->host_budget, "Memory of the zones drawn in full detail, outside the cap")
       ->capture_default_str();
   command->add_option("--device", a->device, "Part of the Vulkan device's name");
   command
       ->add_option(
           "--kernel", a->kernel,
-          "How rays are traced; pictures are the same by all. auto: by the kernels that were the fastest on this "
-          "device when it was measured, or measure now; measure: measure again; or by name: " +
-              std::string(kTraceVariantNames))
+          "How rays are traced; same pictures by all. auto, measure (again), or packets64|32|16 or single, then "
+          "+texels|+storage, +shared, +w32|+w128")
       ->capture_default_str();
   command->add_flag("--validate", a->validate,
-                    "Vulkan validation layers with synchronisation validation; exit 1 when they say anything");
+                    "Vulkan validation layers with synchronisation validation; exit 1 when they report anything");
   command->add_flag("--leave-nothing-out", a->leave_nothing_out, "Run the general pipeline, to measure what is saved");
   command->callback([=] { set([=] { return run(*a); }); });
 }

@@ -4,9 +4,11 @@
 
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "replay/cli/commands.h"
+#include "replay/cli/json_option.h"
 #include "replay/serve/world_server.h"
 
 namespace zc {
@@ -14,6 +16,7 @@ namespace {
 
 struct Arguments {
   std::string world, listen;
+  JsonOption json;
   ServeOptions options;
 };
 
@@ -41,14 +44,18 @@ Status run(const Arguments& arguments) {
   sigemptyset(&signals);
   for (const int one : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, one);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  const bool bare = options.address.find(':') != std::string::npos && options.address.front() != '[';  // IPv6
+  const std::string host = bare ? '[' + options.address + ']' : options.address;
+  const std::string url = "http://" + host + ':' + std::to_string(server->port()) + '/' + end;
+  const nlohmann::ordered_json report = {{"world", arguments.world}, {"url", url}};
+  if (!arguments.json.replaces_text()) std::cout << arguments.world << ": at " << url << '\n';
+  ZC_TRY(write_json(arguments.json, report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
+  std::cout.flush();
   std::thread waiter([&] {
     int one = 0;
     sigwait(&signals, &one);
     server->stop();
   });
-  const bool bare = options.address.find(':') != std::string::npos && options.address.front() != '[';  // IPv6
-  const std::string host = bare ? '[' + options.address + ']' : options.address;
-  std::cout << arguments.world << ": at http://" << host << ':' << server->port() << '/' << end << std::endl;
   server->run();
   pthread_kill(waiter.native_handle(), SIGTERM);  // when it ended by itself
   waiter.join();
@@ -61,14 +68,16 @@ void add_serve(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "serve", "Serve a world over HTTP: ranges, ETags, CORS, /metrics, /healthz; ends on SIGINT or SIGTERM");
-  command->add_option("world", a->world, "World: a folder or a .3tz archive")->required();
-  command->add_option("--bind", a->options.address, "Address to listen at; 0.0.0.0 for every one")
-      ->capture_default_str();
-  command->add_option("--port", a->options.port, "Port; 0 for any that is free")
+  add_json_option(*command, a->json,
+                  command->add_option("world", a->world, "World: a folder or a .3tz archive")->required());
+  command->add_option("--bind", a->options.address, "Address to listen at; 0.0.0.0: all")->capture_default_str();
+  command->add_option("--port", a->options.port, "Port; 0: any that is free")
       ->capture_default_str()
       ->check(CLI::Range(0, 65535));
-  command->add_option("--listen", a->listen, "Both in one, ADDR:PORT")->excludes("--bind")->excludes("--port");
-  command->add_option("--connections", a->options.connections, "Most connections at once, a thread each")
+  command->add_option("--listen", a->listen, "Both in one, ADDR:PORT, in place of --bind and --port")
+      ->excludes("--bind")
+      ->excludes("--port");
+  command->add_option("--connections", a->options.connections, "Limit of connections at once, a thread each")
       ->capture_default_str()
       ->check(CLI::Range(1U, 512U));
   command->callback([=] { set([=] { return run(*a); }); });

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parses, calls, reports. Exit codes: 0 success, 1 failure, 2 bad arguments.
-#include <malloc.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/dup_filter_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
@@ -12,8 +11,10 @@
 #include <iostream>
 #include <memory>
 
+#include "base/platform.h"
 #include "base/text.h"
 #include "replay/cli/commands.h"
+#include "replay/cli/help_format.h"
 
 namespace {
 
@@ -34,6 +35,7 @@ int run(int argc, char** argv) {
       "zonecast bakes a city into zones, pages them along a camera path under a hard memory cap, and traces "
       "reflections against the resident zones in Vulkan compute shaders."};
   app.name("zonecast");
+  app.formatter(std::make_shared<zc::HelpFormat>());
   app.set_version_flag("--version", "zonecast " ZONECAST_VERSION);
   app.require_subcommand(1);
   std::function<zc::Status()> command;
@@ -46,6 +48,10 @@ int run(int argc, char** argv) {
   zc::add_compare(app, set);
   zc::add_replay(app, set);
   zc::add_bench(app, set);
+  // Behind the commands, which would take it over.
+  app.footer(
+      "--json [FILE] of every command that reports: with FILE the report goes there as JSON, and the text to standard "
+      "output; without, the JSON goes to standard output alone. Exit codes: 0 success, 1 failure, 2 bad arguments.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -70,8 +76,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   // Decode scratch goes back to the system when it is freed, so that the process holds what the ledger says.
-  mallopt(M_MMAP_THRESHOLD, 1 << 16);
-  mallopt(M_TRIM_THRESHOLD, 1 << 16);
+  zc::return_freed_memory();
   // An archive that ends early fails page after page with the same words.
   const auto once = std::make_shared<spdlog::sinks::dup_filter_sink_mt>(std::chrono::hours(24));
   once->add_sink(std::make_shared<spdlog::sinks::stderr_sink_mt>());

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "replay/cli/progress.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdio>
 
+#include "base/platform.h"
+
 namespace zc {
 
-Progress::Progress() : terminal_(::isatty(STDERR_FILENO) == 1) {}
+Progress::Progress() : terminal_(standard_error_is_terminal()) {}
 
 Progress::~Progress() {
   if (!shown_.empty()) std::fputs("\r\033[K", stderr);

@@ -5,15 +5,17 @@
 
 namespace zc {
 
-void add_world_option(CLI::App& command, WorldOption& world, const std::string& without) {
+CLI::Option* add_world_option(CLI::App& command, WorldOption& world, const std::string& without) {
   const std::string what = "World: a folder, a .3tz archive, or the http(s) address of one of them";
   CLI::Option* place = command.add_option("world", world.place, without.empty() ? what : what + "; " + without);
   if (without.empty()) place->required();
-  command.add_option("--cache", world.cache, "Folder that keeps what was read from a server (default: none)");
+  command.add_option("--cache", world.cache, "Folder that keeps what was read from a server");
   command
-      .add_option("--cache-bytes", world.cache_bytes, "Most that it keeps; what was not used for longest goes first")
+      .add_option("--cache-bytes", world.cache_bytes, "Limit of that folder; what was not used for longest goes first")
       ->capture_default_str();
-  command.add_option("--timeout", world.timeout, "To connect to a server, and of its silence")->capture_default_str();
+  command.add_option("--timeout", world.timeout, "Limit of connecting to a server, and of its silence")
+      ->capture_default_str();
+  return place;
 }
 
 Result<SourceOptions> parse_source_options(const WorldOption& world) {

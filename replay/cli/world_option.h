@@ -18,8 +18,8 @@ struct WorldOption {
   std::string timeout = "10s";
 };
 
-// `without`: what the command does when no world is named; empty: one must be.
-void add_world_option(CLI::App& command, WorldOption& world, const std::string& without = {});
+// `without`: what the command does when no world is named; empty: one must be. The positional.
+CLI::Option* add_world_option(CLI::App& command, WorldOption& world, const std::string& without = {});
 Result<SourceOptions> parse_source_options(const WorldOption& world);
 
 }  // namespace zc

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "replay/files/archive_writer.h"
 
-#include <unistd.h>
 #include <zip.h>
 
 #include <algorithm>
@@ -11,6 +10,8 @@
 #include <limits>
 #include <system_error>
 #include <utility>
+
+#include "base/platform.h"
 
 namespace zc {
 namespace {
@@ -73,7 +74,7 @@ Result<ArchiveWriter> ArchiveWriter::create(const std::filesystem::path& path) {
   auto zip = std::make_unique<Zip>();
   zip->path = path;
   std::filesystem::path draft = path;
-  draft += "." + std::to_string(::getpid()) + ".tmp";
+  draft += "." + process_name() + ".tmp";
   errno = 0;
   zip->stream.open(draft, std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);
   if (!zip->stream) return zip->fault();

@@ -2,11 +2,9 @@
 // A folder that goes with its owner. Fails when there is no place for it.
 #pragma once
 
-#include <stdlib.h>
-
 #include <filesystem>
-#include <string>
 
+#include "base/platform.h"
 #include "base/result.h"
 
 namespace zc {
@@ -21,9 +19,7 @@ class TemporaryFolder {
     if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
   }
   Status create() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "zonecast-bench-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) return Error{ErrorCode::kIo, "cannot make a temporary folder", pattern};
-    path_ = pattern;
+    ZC_ASSIGN(path_, make_temporary_folder("zonecast"));
     return {};
   }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }

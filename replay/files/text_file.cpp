@@ -11,7 +11,7 @@ Result<TextFile> TextFile::create(const std::filesystem::path& file) {
   text.file_ = file;
   text.temporary_ = file;
   text.temporary_ += ".tmp";
-  errno = 0;  // the stream tells no cause, the call beneath it does
+  errno = 0;  // the stream reports no cause, the call beneath it does
   text.stream_.open(text.temporary_, std::ios::trunc);
   ZC_TRY(text.status());
   return text;

@@ -164,7 +164,7 @@ class WorldServer::Impl final : public httplib::Server {
       answer(request, response);
       return HandlerResponse::Handled;
     });
-    set_logger([this](const Request&, const Response& response) { last_status_ = response.status; });
+    set_logger([](const Request&, const Response& response) { last_status_ = response.status; });
     set_keep_alive_timeout(options_.times.idle_ms / 1000);  // as it is told; client_connection.h keeps it
     set_keep_alive_max_count(100'000);
   }

@@ -11,10 +11,10 @@
 #include <thread>
 
 #include "base/file.h"
+#include "base/platform.h"
 #include "replay/host/zone_draws.h"
 #include "replay/image/png_file.h"
 #include "replay/session/frame_log.h"
-#include "replay/session/process_memory.h"
 #include "replay/session/render_setup.h"
 #include "replay/session/trace_file.h"
 #include "replay/session/variant_cache.h"

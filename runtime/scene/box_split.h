@@ -10,13 +10,14 @@
 #include <span>
 #include <vector>
 
+#include "base/simd.h"
 #include "shaders/shared/page_node.h"
 
 namespace zc {
 
 // Four lanes, so that a box is two vector registers; the last one is idle. Without a value until it is given one.
 struct FloatBox {
-  using Lanes = float __attribute__((vector_size(16)));  // as GCC and Clang have it on every processor
+  using Lanes = Float4;
   Lanes low, high;
 
   static FloatBox none() { return {Lanes{} + 1e30F, Lanes{} - 1e30F}; }

@@ -271,8 +271,8 @@ std::vector<PieceOfTriangle> triangles_in_pieces(const BvhFile& bvh, std::size_t
     seen[triangle] = true;
   }
   std::ranges::sort(pieces, {}, &PieceOfTriangle::triangle);
-  const auto rest = std::ranges::unique(pieces, {}, &PieceOfTriangle::triangle);
-  pieces.erase(rest.begin(), rest.end());
+  const auto same = [](const PieceOfTriangle& a, const PieceOfTriangle& b) { return a.triangle == b.triangle; };
+  pieces.erase(std::unique(pieces.begin(), pieces.end(), same), pieces.end());
   return pieces;
 }
 

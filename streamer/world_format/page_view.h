@@ -64,6 +64,7 @@ struct AtlasShape {
            std::min(width_log2, height_log2) + 1 >= gpu::kAtlasMinLog2 + levels;
   }
   [[nodiscard]] constexpr std::uint32_t level_words(std::uint32_t level) const {
+    // Of valid shapes alone. NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult)
     return 2U << (width_log2 + height_log2 - 4 - 2 * level);
   }
   [[nodiscard]] constexpr std::uint32_t words() const {

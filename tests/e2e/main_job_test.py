@@ -95,7 +95,7 @@ class MainJob(support.Case):
         done = self.run_zonecast("compare", self.world, "--size", "64x36", "--budget", "1500KiB", "--frames", "0:1",
                                  "-o", out)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("--budget does not hold all of the full detail", done.stderr)
+        self.assertIn("--budget is too small for all of the full detail", done.stderr)
         report = json.loads((out / "compare.json").read_text())
         self.assertFalse(report["source_complete"])
         self.assertTrue([level["complete"] for level in report["levels"] if level["name"] == "level_0"][0])

@@ -20,7 +20,7 @@ import zlib
 
 BINARY = os.environ.get("ZONECAST", "")
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
-DATA = pathlib.Path(os.environ.get("ZONECAST_DATA", SOURCES.parent / "shared" / "data"))
+DATA = pathlib.Path(os.environ.get("ZONECAST_DATA") or SOURCES.parent / "shared" / "data")
 PATH_HEADER = "time_s,eye_x,eye_y,eye_z,target_x,target_y,target_z,fov_y_deg"
 # Where Mesa keeps what it compiled, which takes it seconds a run: it would move with XDG_CACHE_HOME.
 SHADER_CACHE = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"

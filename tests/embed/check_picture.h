@@ -33,6 +33,6 @@ inline bool check_picture(std::span<const std::byte> halves, std::uint32_t width
   const zc::gpu::Counters& c = report.counters;
   std::printf("%u pixels mirror, %u above the horizon; %u show the box, %u the sky; %u rays hit zones\n", mirrors,
               wrong, red, sky, c.rays_proxy);
-  return wrong == 0 && mirrors == c.pixel_count && red >= 500 && red <= c.rays_screen && sky >= 500 &&
+  return wrong == 0 && mirrors == c.pixel_count && red >= 500 && c.rays_screen >= 500 && sky >= 500 &&
          c.rays_proxy >= 2000;
 }

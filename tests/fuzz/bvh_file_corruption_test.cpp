@@ -184,7 +184,7 @@ std::vector<std::array<PageView::Point, 3>> triangles_of(std::span<const std::ui
   std::vector<std::array<PageView::Point, 3>> triangles(view.header().triangle_count);
   for (std::uint32_t t = 0; t < triangles.size(); ++t) triangles[t] = view.triangle(t).corners;
   std::ranges::sort(triangles);
-  triangles.erase(std::ranges::unique(triangles).begin(), triangles.end());
+  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
   return triangles;
 }
 

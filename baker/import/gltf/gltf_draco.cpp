@@ -11,7 +11,6 @@ namespace zc {
 namespace {
 
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
-constexpr std::size_t kHeaderBytes = 11;
 // The best streams of regular grids stay far below this many faces or points a byte.
 constexpr std::uint64_t kMaxPerByte = 4096;
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <glm/common.hpp>
+#include <limits>
 
 #include "baker/cut/cut.h"
 #include "baker/generate/city.h"
@@ -53,11 +54,12 @@ Result<RawTriangles> read_triangles(const std::string& file, const glm::dvec3& o
   ZC_ASSIGN(const RawRecords records, read_raw_records(file, 9));
   if (records.values.empty())
     return Error{ErrorCode::kFormat,
-                 std::string("holds no triangle") + (records.dropped == 0 ? "" : " of numbers within 1.8e18"), file};
+                 std::string("contains no triangle") + (records.dropped == 0 ? "" : " of numbers within 1.8e18"), file};
   if (records.dropped > 0)
     spdlog::warn("{}: {} triangles with values that are no numbers or beyond 1.8e18, dropped", file, records.dropped);
   RawTriangles raw;
-  glm::dvec3 low(INFINITY), high(-INFINITY);
+  constexpr double kBeyondAll = std::numeric_limits<double>::infinity();
+  glm::dvec3 low(kBeyondAll), high(-kBeyondAll);
   Scene& soup = raw.soup;
   for (std::size_t at = 0; at < records.values.size(); at += 3) {
     const glm::dvec3 p(records.values[at], records.values[at + 1], records.values[at + 2]);

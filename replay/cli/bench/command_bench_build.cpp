@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cmath>
+#include <iostream>
 #include <memory>
 #include <optional>
 
@@ -10,9 +11,9 @@
 #include "replay/bench/engines/embree_builder.h"
 #include "replay/bench/engines/parallel_chunks.h"
 #include "replay/bench/engines/zone_mesh.h"
-#include "replay/bench/print_figures.h"
 #include "replay/cli/bench/bench_subject.h"
 #include "replay/cli/commands.h"
+#include "replay/cli/json_option.h"
 #include "replay/cli/progress.h"
 #include "replay/cli/world_option.h"
 #include "shaders/shared/page_node.h"
@@ -32,7 +33,7 @@ struct Arguments {
   bench::SubjectOptions subject;
   bool thesis = false;
   bench::BuildBenchOptions options;
-  std::string json;
+  JsonOption json;
 };
 
 // The thesis's city: Fredriksson & Scott 2016, table 4.1.
@@ -286,7 +287,8 @@ Status run(const Arguments& a) {
       const bench::BuildBenchReport report,
       bench::run_build_bench(subject.scene.name, subject.scene.triangles.size(), zones.size(), builders, options));
   progress.reset();  // its line goes before the table comes
-  return bench::print_figures(bench::build_table(report), bench::build_json(report), a.json);
+  if (!a.json.replaces_text()) std::cout << bench::build_table(report);
+  return write_json(a.json, bench::build_json(report).dump(2));
 }
 
 }  // namespace
@@ -298,13 +300,13 @@ void add_bench_build(CLI::App& app, const SetCommand& set) {
   add_world_option(*command, a->world, "without it and --triangles: the generated city");
   command->add_option("--triangles", a->subject.triangles, "Raw floats, nine a triangle");
   command->add_flag("--thesis", a->thesis, "The thesis's size: 627,411 triangles in 167 zones of a generated city");
-  command->add_option("--engines", a->options.engines, "Parted by commas; default: all that this machine has")
+  command->add_option("--engines", a->options.engines, "Separated by commas; default: all that this machine has")
       ->delimiter(',');
   command->add_option("--repeat", a->options.repeat, "Timed runs of each engine, in turn")
       ->capture_default_str()
       ->check(CLI::Range(1U, 1000U));
   command->add_option("--threads", a->options.threads, "Threads")->capture_default_str()->check(CLI::Range(1U, 256U));
-  command->add_option("--json", a->json, "Write the figures to this file, or to standard output: -");
+  add_json_option(*command, a->json);
   command->callback([=] { set([=] { return run(*a); }); });
 }
 

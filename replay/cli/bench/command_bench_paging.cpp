@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <iostream>
 #include <memory>
 
 #include "base/file.h"
 #include "replay/bench/paging_bench.h"
-#include "replay/bench/print_figures.h"
 #include "replay/cli/commands.h"
+#include "replay/cli/json_option.h"
 #include "replay/cli/world_option.h"
 #include "replay/files/temporary_folder.h"
 #include "replay/session/units.h"
@@ -14,7 +15,7 @@ namespace {
 
 struct Arguments {
   WorldOption world;
-  std::string json;
+  JsonOption json;
   std::string pool = "128MiB";
   std::vector<std::uint32_t> nodes = {10000, 100000, 1000000};
   bench::PagingBenchOptions options;
@@ -36,7 +37,8 @@ Status run(const Arguments& a) {
     ZC_ASSIGN(reports.emplace_back(),
               bench::run_paging_bench("synthetic_" + std::to_string(nodes), folder.path(), options));
   }
-  return bench::print_figures(bench::paging_table(reports), bench::paging_json(reports), a.json);
+  if (!a.json.replaces_text()) std::cout << bench::paging_table(reports);
+  return write_json(a.json, bench::paging_json(reports).dump(2));
 }
 
 }  // namespace
@@ -57,7 +59,7 @@ void add_bench_paging(CLI::App& app, const SetCommand& set) {
   command->add_option("--tolerance", a->options.tolerance, "As of replay")
       ->capture_default_str()
       ->check(CLI::Range(1e-6, 1.0));
-  command->add_option("--json", a->json, "Write the figures to this file, or to standard output: -");
+  add_json_option(*command, a->json);
   command->callback([=] { set([=] { return run(*a); }); });
 }
 

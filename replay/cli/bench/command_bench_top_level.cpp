@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <iostream>
 #include <memory>
 
 #include "baker/bake.h"
 #include "baker/generate/city.h"
 #include "baker/import/import.h"
-#include "replay/bench/print_figures.h"
 #include "replay/bench/top_level_bench.h"
 #include "replay/cli/commands.h"
+#include "replay/cli/json_option.h"
 #include "replay/cli/progress.h"
 #include "replay/cli/world_option.h"
 #include "replay/files/temporary_folder.h"
@@ -16,7 +17,7 @@ namespace {
 
 struct Arguments {
   WorldOption world;
-  std::string json;
+  JsonOption json;
   std::size_t zones = 500;
   bench::TopLevelBenchOptions options;
 };
@@ -42,7 +43,8 @@ Status run(const Arguments& a) {
   ZC_ASSIGN(const bench::TopLevelReport report,
             bench::run_top_level_bench(a.world.place.empty() ? "city" : world.filename().string(),
                                        bench::repeat_root_pages(pages, a.zones), a.options));
-  return bench::print_figures(bench::top_level_table(report), bench::top_level_json(report), a.json);
+  if (!a.json.replaces_text()) std::cout << bench::top_level_table(report);
+  return write_json(a.json, bench::top_level_json(report).dump(2));
 }
 
 }  // namespace
@@ -59,7 +61,7 @@ void add_bench_top_level(CLI::App& app, const SetCommand& set) {
       ->capture_default_str()
       ->check(CLI::Range(1U, 100000U));
   command->add_option("--device", a->options.device, "Part of the Vulkan device's name");
-  command->add_option("--json", a->json, "Write the figures to this file, or to standard output: -");
+  add_json_option(*command, a->json);
   command->callback([=] { set([=] { return run(*a); }); });
 }
 

@@ -2,17 +2,18 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
+#include <iostream>
 #include <map>
 #include <memory>
 #include <optional>
 
 #include "baker/bvh/build_page.h"
 #include "base/file.h"
-#include "replay/bench/print_figures.h"
 #include "replay/bench/trace_bench.h"
 #include "replay/cli/bench/bench_subject.h"
 #include "replay/cli/bvh_option.h"
 #include "replay/cli/commands.h"
+#include "replay/cli/json_option.h"
 #include "replay/cli/progress.h"
 #include "replay/cli/world_option.h"
 #include "replay/session/units.h"
@@ -31,7 +32,8 @@ struct Arguments {
   bench::PixelOrder order = bench::PixelOrder::kTiles;
   bench::TraceBenchOptions options;
   BvhMethod bvh = BvhMethod::kAuto;
-  std::string json, dump_rays, dump_triangles;
+  JsonOption json;
+  std::string dump_rays, dump_triangles;
 };
 
 Result<std::vector<BenchRay>> take_rays(const Arguments& a, const Subject& subject, const bench::Oracle& oracle) {
@@ -86,7 +88,8 @@ Status run(const Arguments& a) {
   options.progress = [&](double fraction, std::string_view stage) { progress->update(fraction, stage); };
   ZC_ASSIGN(const bench::TraceBenchReport report, bench::run_trace_bench(subject.scene, oracle, rays, options));
   progress.reset();  // its line goes before the table comes
-  return bench::print_figures(bench::trace_table(report), bench::trace_json(report), a.json);
+  if (!a.json.replaces_text()) std::cout << bench::trace_table(report);
+  return write_json(a.json, bench::trace_json(report).dump(2));
 }
 
 }  // namespace
@@ -94,7 +97,7 @@ Status run(const Arguments& a) {
 void add_bench_trace(CLI::App& app, const SetCommand& set) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
-      "trace", "Trace the same rays through our kernels and every peer, and hold all hits against double precision");
+      "trace", "Trace the same rays through our kernels and every peer, and compare all hits with double precision");
   add_world_option(*command, a->world, "without it and --triangles: the generated city");
   command->add_option("--path", a->subject.path, "Camera path or still views: mirror rays of what the camera sees");
   command->add_option("--frame", a->subject.frame, "Sample of the path")->capture_default_str();
@@ -106,7 +109,7 @@ void add_bench_trace(CLI::App& app, const SetCommand& set) {
       ->transform(CLI::CheckedTransformer(std::map<std::string, bench::PixelOrder>{
           {"rows", bench::PixelOrder::kRows}, {"tiles", bench::PixelOrder::kTiles}}))
       ->option_text("rows|tiles [tiles]");
-  command->add_option("--engines", a->options.engines, "Parted by commas; default: all that this machine has")
+  command->add_option("--engines", a->options.engines, "Separated by commas; default: all that this machine has")
       ->delimiter(',');
   command->add_option("--repeat", a->options.repeat, "Timed runs of each engine, in turn")
       ->capture_default_str()
@@ -120,7 +123,7 @@ void add_bench_trace(CLI::App& app, const SetCommand& set) {
       ->capture_default_str()
       ->check(CLI::Range(-1e8, 1e8));
   add_bvh_option(*command, a->bvh, "How our own engines build");
-  command->add_option("--json", a->json, "Write the figures to this file, or to standard output: -");
+  add_json_option(*command, a->json);
   command->add_option("--dump-rays", a->dump_rays, "Write the rays as raw floats");
   command->add_option("--dump-triangles", a->dump_triangles, "Write the triangles as raw floats");
   command->callback([=] { set([=] { return run(*a); }); });

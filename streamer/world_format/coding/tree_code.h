@@ -30,7 +30,7 @@ class TreeContents {
         below_[i].insert(below_[i].end(), part.begin(), part.end());
         if (slot + 1 == gpu::kNodeWidth) {
           std::ranges::sort(below_[i]);
-          below_[i].erase(std::ranges::unique(below_[i]).begin(), below_[i].end());
+          below_[i].erase(std::unique(below_[i].begin(), below_[i].end()), below_[i].end());
         }
       }
   }

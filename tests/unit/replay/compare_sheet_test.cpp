@@ -96,8 +96,8 @@ CompareSheet sheet_of(std::size_t levels, std::size_t frames, std::uint32_t widt
 }
 
 TEST(CompareSheet, ShowsEveryPictureWholeAndItsDifferenceBelow) {
-  for (const std::size_t levels : {1, 2, 7, 9})
-    for (const std::size_t frames : {1, 5, 12}) {
+  for (const std::size_t levels : {1U, 2U, 7U, 9U})
+    for (const std::size_t frames : {1U, 5U, 12U}) {
       const Picture sheet = draw_compare_sheet(sheet_of(levels, frames, 1280, 720));
       const auto tile = static_cast<int>(320 * 180 * frames);
       EXPECT_EQ(all_of(sheet, {10, 200, 30}), tile);
@@ -108,7 +108,7 @@ TEST(CompareSheet, ShowsEveryPictureWholeAndItsDifferenceBelow) {
 
 TEST(CompareSheet, IsOfASizeToLookAtWhateverThePictures) {
   for (const auto& [width, height] : {std::pair{1280U, 720U}, {4096U, 8U}, {8U, 4096U}, {4096U, 4096U}, {64U, 36U}})
-    for (const std::size_t levels : {1, 3, 9}) {
+    for (const std::size_t levels : {1U, 3U, 9U}) {
       const Picture sheet = draw_compare_sheet(sheet_of(levels, kSheetRowsMost, width, height));
       EXPECT_LE(sheet.width, 3600U) << width << " x " << height;
       EXPECT_LE(sheet.height, 13000U) << width << " x " << height;

@@ -192,7 +192,7 @@ TEST(SelectionOptimality, no_cut_within_the_budget_has_a_smaller_largest_error) 
       const std::vector<double> errors = weighted_errors(index, views);
       const Quality ours = quality_of(index, errors, refined_by(index, selection));
       Quality best{INFINITY, INFINITY};
-      each_set(index, budget, covered, [&](const std::vector<bool>& refined) {
+      each_set(index, budget, covered, [&, &index = index](const std::vector<bool>& refined) {
         const Quality other = quality_of(index, errors, refined);
         best = {std::min(best.largest, other.largest), std::min(best.mean, other.mean)};
       });
@@ -232,7 +232,7 @@ TEST(SelectionOptimality, with_a_past_no_cut_beats_it_by_more_than_the_dead_band
       }
       const std::vector<double> errors = weighted_errors(index, views);
       double best = INFINITY;
-      each_set(index, budget, covered, [&](const std::vector<bool>& refined) {
+      each_set(index, budget, covered, [&, &index = index](const std::vector<bool>& refined) {
         best = std::min(best, quality_of(index, errors, refined).largest);
       });
       EXPECT_LE(quality_of(index, errors, refined_by(index, selection)).largest, kRefinedBonus * best * (1 + 1e-9))

@@ -88,7 +88,7 @@ inline void expect_whole(const Scene& scene) {
 
 // The folder of real city models, or an empty path where there is none.
 inline std::filesystem::path data_folder() {
-  if (const char* named = std::getenv("ZONECAST_DATA"); named != nullptr) return named;
+  if (const char* named = std::getenv("ZONECAST_DATA"); named != nullptr && *named != 0) return named;
   const auto beside = std::filesystem::path("../shared/data");
   return std::filesystem::exists(beside) ? beside : std::filesystem::path();
 }
