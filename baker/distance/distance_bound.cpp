@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "baker/distance/hausdorff_bound.h"
@@ -35,10 +36,10 @@ class NearestOfAll {
   const DistanceTriangle* operator()(const glm::dvec3& p, double& distance) const {
     const DistanceTriangle* found = nullptr;
     const std::size_t first = nearest_box(surfaces_, p);
-    surfaces_[first].bvh->nearest(p, kEveryAppearance, near_, found, distance, &work_);
+    surfaces_[first].bvh->nearest(p, std::nullopt, near_, found, distance, &work_);
     for (std::size_t i = 0; i < surfaces_.size() && distance > near_; ++i)
       if (i != first && surfaces_[i].bvh->distance_to_bounds(p) < distance)
-        surfaces_[i].bvh->nearest(p, kEveryAppearance, near_, found, distance, &work_);
+        surfaces_[i].bvh->nearest(p, std::nullopt, near_, found, distance, &work_);
     return found;
   }
 

@@ -9,7 +9,7 @@ namespace zc {
 namespace {
 
 // One more whenever simplification, measuring or an entry's form change: what they returned before is stale then.
-constexpr std::uint32_t kVersion = 11;
+constexpr std::uint32_t kVersion = 12;
 constexpr std::uint32_t kStepShiftMost = 14;  // 2^30 steps in 2^16
 
 void add_place(CacheKeyHasher& hash, const SimplifyContext& context, const Zone& zone) {

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <queue>
 
 #include "baker/distance/hausdorff_bound.h"
@@ -46,8 +47,8 @@ using Vertex = std::uint32_t;
 
 struct Sample {
   glm::dvec3 point;
-  std::uint64_t appearances = 0;  // that it may be given: those of the reference nearby
-  Face face = 0;                  // of the reference
+  AppearanceSet appearances;  // that it may be given: those of the reference nearby
+  Face face = 0;              // of the reference
 };
 
 struct Edge {
@@ -164,8 +165,7 @@ class Reference {
 
   void add_sample(const glm::dvec3& p, Face face) {
     samples_.push_back(
-        {p, bvh_.appearances_within(p, kAppearanceTolerance * tolerance_, appearance_bit(appearance(face)), &work_),
-         face});
+        {p, bvh_.appearances_within(p, kAppearanceTolerance * tolerance_, appearance(face), &work_), face});
   }
 
   [[nodiscard]] const LatticeMesh& mesh() const { return mesh_; }
@@ -396,8 +396,7 @@ class Collapser {
     const double limit = kSampleTolerance * options_.tolerance;
     targets_.clear();
     const auto add_target = [&](Face f) {
-      targets_.push_back(
-          {f, triangle_of(corners(replaced(faces_[f].v, u, v))), appearance_bit(reference_.appearance(f))});
+      targets_.push_back({f, triangle_of(corners(replaced(faces_[f].v, u, v))), reference_.appearance(f)});
     };
     for (const Face f : moving_) add_target(f);
     for (const Face f : vertices_[v].faces)
@@ -411,7 +410,7 @@ class Collapser {
         double best = std::numeric_limits<double>::infinity();
         Face face = 0;
         for (const TargetFace& target : targets_) {
-          if ((sample.appearances & target.appearance) == 0) continue;
+          if (!sample.appearances.has(target.appearance)) continue;
           const double distance = target.triangle.distance(sample.point);
           ++work_.done;
           if (distance < best) {
@@ -472,7 +471,7 @@ class Collapser {
 
   [[nodiscard]] HausdorffBound bound_to_reference(Face f, const Corners& moved) const {
     const double tolerance = options_.tolerance;
-    const std::uint64_t appearance = appearance_bit(reference_.appearance(f));
+    const std::uint16_t appearance = reference_.appearance(f);
     return hausdorff_bound(moved, {tolerance, kMargin * tolerance, kLeastPiece * tolerance, kBoundPieces, true, &work_},
                            [&](const glm::dvec3& p, double& distance) {
                              const DistanceTriangle* found = nullptr;
@@ -521,7 +520,7 @@ class Collapser {
   struct TargetFace {
     Face face = 0;
     DistanceTriangle triangle;
-    std::uint64_t appearance = 0;
+    std::uint16_t appearance = 0;
   };
 
   Work& work_;
@@ -555,7 +554,7 @@ bool add_samples_outside(Reference& reference, const Collapser& collapser, const
     const HausdorffBound found = hausdorff_bound(
         corners_of(reference.mesh(), reference.mesh().faces[f]), limits, [&](const glm::dvec3& p, double& distance) {
           const DistanceTriangle* triangle = nullptr;
-          bvh.nearest(p, kEveryAppearance, kNear * tolerance, triangle, distance, &work);
+          bvh.nearest(p, std::nullopt, kNear * tolerance, triangle, distance, &work);
           return triangle;
         });
     if (found.within) continue;
