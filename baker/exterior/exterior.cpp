@@ -169,8 +169,11 @@ class Exterior {
 
 }  // namespace
 
-Result<std::uint64_t> drop_interior(SnappedScene& scene, unsigned threads) {
-  ZC_ASSIGN(const std::vector<bool> visible, Exterior(scene.mesh, std::ldexp(1.0, scene.step_log2), threads).visible());
+Result<ExteriorScene> drop_interior(SnappedScene&& input, BakeContext& context) {
+  context.begin(BakeStage::kExterior);
+  ExteriorScene out = {std::move(input), 0};
+  SnappedScene& scene = out.scene;
+  ZC_ASSIGN(const std::vector<bool> visible, Exterior(scene.mesh, scene.lattice.step_m(), context.threads()).visible());
   std::vector<LatticeFace> faces;
   std::vector<SceneObject> objects;
   for (SceneObject& object : scene.objects) {
@@ -181,11 +184,11 @@ Result<std::uint64_t> drop_interior(SnappedScene& scene, unsigned threads) {
     object.triangle_count = static_cast<std::uint32_t>(faces.size()) - first;
     if (object.triangle_count > 0) objects.push_back(std::move(object));
   }
-  const std::uint64_t dropped = scene.mesh.faces.size() - faces.size();
+  out.dropped = scene.mesh.faces.size() - faces.size();
   scene.mesh.faces = std::move(faces);
   scene.objects = std::move(objects);
-  if (dropped > 0) weld(scene.mesh);
-  return dropped;
+  if (out.dropped > 0) weld(scene.mesh);
+  return out;
 }
 
 }  // namespace zc

@@ -18,7 +18,12 @@
 
 namespace zc {
 
-// Returns how many faces went. Objects without a face go with them.
-Result<std::uint64_t> drop_interior(SnappedScene& scene, unsigned threads);
+struct ExteriorScene {
+  SnappedScene scene;
+  std::uint64_t dropped = 0;  // faces; objects without a face are gone too
+};
+
+// Needs the whole city: rays go as far as it does.
+Result<ExteriorScene> drop_interior(SnappedScene&& scene, BakeContext& context);
 
 }  // namespace zc

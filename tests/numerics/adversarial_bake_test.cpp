@@ -14,7 +14,7 @@
 #include <random>
 
 #include "baker/bake.h"
-#include "baker/write/encode.h"
+#include "baker/encode/zone_glb.h"
 #include "base/file.h"
 #include "streamer/world_format/bvh_page.h"
 #include "streamer/world_format/page_view.h"

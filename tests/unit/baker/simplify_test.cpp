@@ -15,6 +15,7 @@
 #include "baker/proxy/simplify.h"
 #include "baker/proxy/vertex_collapse.h"
 #include "baker/repair/manifold_fans.h"
+#include "tests/unit/baker/stages.h"
 #include "tests/unit/baker/test_city.h"
 
 namespace zc {
@@ -22,11 +23,7 @@ namespace {
 
 using test::SceneMaker;
 
-LatticeMesh mesh_of(Scene scene) {
-  auto snapped = snap_scene(std::move(scene), -8);
-  EXPECT_TRUE(snapped.ok());
-  return std::move(snapped->mesh);
-}
+LatticeMesh mesh_of(Scene scene) { return test::snapped(std::move(scene)).mesh; }
 
 std::vector<bool> unlocked(const LatticeMesh& mesh) { return std::vector<bool>(mesh.vertices.size(), false); }
 
@@ -457,8 +454,8 @@ TEST(Components, WhatIsLostFarFromAllElseGetsAStandIn) {
 }
 
 TEST(Simplify, ALeafKeepsItsErrorBound) {
-  SnappedScene scene = *snap_scene(test::small_city(), -8);
-  const ZoneTree tree = cut_zones(scene, 1000000);
+  const SnappedScene scene = test::snapped(test::small_city());
+  const ZoneTree tree = test::cut(scene, 1000000).tree;
   ASSERT_EQ(tree.zones.size(), 1U);
   const LatticeMesh& detail = tree.zones[0].detail;
   const DistanceBvh bvh(detail);
@@ -479,8 +476,8 @@ TEST(Simplify, TheRootReachesItsTargetWhateverItTakes) {
     maker.triangle({x, y, i % 7}, {x + 3, y, i % 5}, {x, y + 3, i % 3}, 2);
   }
   maker.object(ObjectKind::kGround);
-  SnappedScene scene = *snap_scene(std::move(maker.scene), -8);
-  const ZoneTree tree = cut_zones(scene, 1000000);
+  const SnappedScene scene = test::snapped(std::move(maker.scene));
+  const ZoneTree tree = test::cut(scene, 1000000).tree;
   const LatticeMesh& detail = tree.zones[0].detail;
   const DistanceBvh bvh(detail);
   const std::vector<std::uint16_t> appearances = appearance_classes(scene.materials);

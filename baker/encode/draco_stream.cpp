@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/write/draco_stream.h"
+#include "baker/encode/draco_stream.h"
 
 #include <draco/compression/decode.h>
 #include <draco/compression/expert_encode.h>
