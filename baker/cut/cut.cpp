@@ -18,13 +18,13 @@ constexpr std::int64_t kMinCellM = 16;
 constexpr std::int64_t kWholeObjectMaxM = 128;
 
 // Pieces, for each that there is now, that a cut may make at most: where more triangles lie over each other than beside
-// each other, smaller cells hold hardly fewer.
+// each other, smaller cells contain hardly fewer.
 constexpr std::uint64_t kPiecesMax = 2;
 
 // For fine steps alone the world is cut into no more cells than 128 along a side; into 32 where that cuts a handful of
 // wide triangles into any number of pieces.
-constexpr std::uint32_t kWidthDepthMost = 7;
-constexpr std::uint32_t kFewWidthDepthMost = 5;
+constexpr std::uint32_t kWidthDepthLimit = 7;
+constexpr std::uint32_t kFewWidthDepthLimit = 5;
 constexpr std::uint64_t kFewTriangles = 64;
 
 struct WholeObject {
@@ -82,12 +82,12 @@ void split(Subtree& tree, const CellGrid& grid, const LeafLimits& limits) {
   // One object that stays whole gains nothing from smaller cells.
   const bool divisible = !tree.cut.empty() || tree.whole.size() > 1;
   const std::uint64_t triangles = triangles_in(tree);
-  const bool is_wide = tree.zone.depth < kWidthDepthMost && step_shift_for_box(box_of(tree)) > limits.step_shift;
+  const bool is_wide = tree.zone.depth < kWidthDepthLimit && step_shift_for_box(box_of(tree)) > limits.step_shift;
   if (!divisible || (triangles <= limits.triangles && !is_wide) || !grid.can_split(tree.zone.depth)) return;
   const std::int64_t half = grid.cell_size(tree.zone.depth) / 2;
   const std::array<std::int64_t, 2> middle = {(2 * std::int64_t{tree.zone.cell_x} + 1) * half,
                                               (2 * std::int64_t{tree.zone.cell_y} + 1) * half};
-  const bool is_few = is_wide && triangles <= kFewTriangles && tree.zone.depth < kFewWidthDepthMost;
+  const bool is_few = is_wide && triangles <= kFewTriangles && tree.zone.depth < kFewWidthDepthLimit;
   if (!is_few && pieces_in_quarters(tree, middle) > kPiecesMax * triangles) return;
   std::array<std::unique_ptr<Subtree>, 4> parts;
   for (std::uint32_t i = 0; i < 4; ++i) {
@@ -166,7 +166,7 @@ enum class Shape { kWhole, kGround, kWide, kDense };
 Shape shape_of(const SceneObject& object, const LatticeBox& box, std::int32_t step_log2, std::uint32_t leaf_triangles) {
   if (object.kind == ObjectKind::kGround) return Shape::kGround;
   if (longest_side(box) > kWholeObjectMaxM << -step_log2) return Shape::kWide;
-  return object.triangle_count > kDetailMostZones * leaf_triangles ? Shape::kDense : Shape::kWhole;
+  return object.triangle_count > kDetailZonesLimit * leaf_triangles ? Shape::kDense : Shape::kWhole;
 }
 
 // Sorts the scene's objects into those that stay whole and loose faces.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cuts a snapped scene into a quadtree of zones. Whole objects go to the cell that holds the centre of their box;
+// Cuts a snapped scene into a quadtree of zones. Whole objects go to the cell that contains the centre of their box;
 // ground, and objects too large for one zone, are clipped exactly on the lattice along cell borders.
-// Points on a border are rounded, once, to the coarsest step of all nodes that may meet there, computed from the edge
+// Points on a border are rounded, once, to the coarsest step of all nodes that may touch there, computed from the edge
 // alone: both sides of a border and both faces of an edge get bit-identical points, and no level moves them again.
 // Owns what it returns. Deterministic at any thread count.
 #pragma once
@@ -52,7 +52,7 @@ struct ZoneTree {
 };
 
 // What stays together has at most so many zones' worth of triangles: a zone must stay small against the memory cap.
-inline constexpr std::uint64_t kDetailMostZones = 4;
+inline constexpr std::uint64_t kDetailZonesLimit = 4;
 
 // The cells of a whole city, of which a leaf has `leaf_triangles`.
 CellGrid fit_cells(const SnappedScene& scene, std::uint32_t leaf_triangles);

@@ -17,7 +17,7 @@ constexpr double kLoose = 1.02;               // over what samples found
 constexpr double kLeast = 0.1;                // steps: what is nearer is as good as on the surface
 constexpr double kMargin = 0.5;               // of what is enough
 constexpr double kLeastPiece = 0.03;          // of what is enough
-constexpr double kNear = 0.1;                 // of what is enough: no need to look for what is nearer still
+constexpr double kNear = 0.1;                 // of what is enough: no search for what is nearer still
 constexpr double kGrowth = 1.1;               // from one round to the next
 constexpr std::uint32_t kPieces = 2000;       // a round
 constexpr std::uint32_t kMorePieces = 20000;  // of the round that confirms the promise
@@ -77,8 +77,8 @@ double bound_triangle(const Corners& triangle, std::span<const DetailSurface> to
 DistanceBound bound_distance(const LatticeMesh& from, std::span<const DetailSurface> to, double known, double promise) {
   const std::size_t count = from.faces.size();
   std::vector<DistanceBound> blocks((count + kBlock - 1) / kBlock);
-  const auto bound_block = [&](std::size_t b, std::uint64_t most) {
-    Work work{most};
+  const auto bound_block = [&](std::size_t b, std::uint64_t limit) {
+    Work work{limit};
     double distance = 0;
     for (std::size_t i = b * kBlock; i < std::min(count, (b + 1) * kBlock); ++i)
       distance = std::max(distance, bound_triangle(corners_of(from, from.faces[i]), to, known, promise, work));

@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t kLeafTriangles = 4;
 constexpr std::size_t kPiecesPerTriangle = 4;  // at most, on average
 constexpr double kWaste = 8;                   // of a box, against a triangle's share of all boxes' surface
-constexpr int kTiedMost = 256;                 // triangles looked at for the best aligned
+constexpr int kTiedLimit = 256;                // triangles tried for the best aligned
 constexpr double kAligned = 1 - 1e-9;          // nothing is better aligned
 
 double squared_distance_to_box(const glm::dvec3& p, const glm::dvec3& low, const glm::dvec3& high) {
@@ -233,8 +233,8 @@ void DistanceBvh::closest(const glm::dvec3& p, const glm::dvec3& normal, double 
       work);
   if (nearest < best.distance - tie) best.alignment = -1;
   best.distance = nearest;
-  // Where very many lie on top of each other, one of those that are looked at has to do.
-  int left = kTiedMost;
+  // Where very many lie on top of each other, one of those that are tried has to do.
+  int left = kTiedLimit;
   visit_near(
       p, [&] { return left > 0 && best.alignment < kAligned ? nearest + tie : -1.0; },
       [](std::uint64_t) { return true; },

@@ -73,7 +73,7 @@ class DistanceBvh {
     std::uint64_t appearances = 0;  // filter bits of all in it
   };
 
-  // Appearances 64 apart share a bit: it says where one may be, and a triangle's own appearance decides.
+  // Appearances 64 apart share a bit: it shows where one may be, and a triangle's own appearance decides.
   static std::uint64_t filter_bit(std::uint16_t appearance) { return std::uint64_t{1} << (appearance % 64U); }
 
   // Calls visit(triangle) for the triangles of every leaf whose box is within reach() of p and that passes

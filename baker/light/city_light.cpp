@@ -29,11 +29,11 @@ struct Box {
     high = glm::max(high, b.high);
   }
   [[nodiscard]] Box grown(float by) const { return {low - by, high + by}; }
-  [[nodiscard]] bool meets(const Box& b) const {
+  [[nodiscard]] bool touches(const Box& b) const {
     return glm::all(glm::lessThanEqual(low, b.high)) && glm::all(glm::greaterThanEqual(high, b.low));
   }
   // Whether a point of it that moves in this direction for ever comes to `b`.
-  [[nodiscard]] bool meets_ahead(const Box& b, const glm::vec3& direction) const {
+  [[nodiscard]] bool reaches(const Box& b, const glm::vec3& direction) const {
     float from = 0;
     float to = std::numeric_limits<float>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
@@ -73,7 +73,7 @@ struct Region {
 
 std::vector<Region> make_regions(std::span<const NodeRecord> nodes, double step_m) {
   std::vector<Box> boxes;
-  LatticeBox all;  // without errors: the city is not to be parted anew when one of them changes
+  LatticeBox all;  // without errors: the city is not to be divided anew when one of them changes
   for (const NodeRecord& node : nodes) {
     boxes.push_back(box_of(node, step_m));
     all.add(LatticeBox{node.bounds_min, node.bounds_max});
@@ -156,15 +156,15 @@ class CityLighter {
     return hash;
   }
 
-  // Parts that rays from a region's box can meet: none further than this, or all in these directions.
+  // Parts that rays from a region's box can hit: none further than this, or all in these directions.
   [[nodiscard]] std::vector<std::uint32_t> parts_near(const Box& box, float reach_m,
                                                       std::span<const glm::vec3> directions) const {
     const Box near = box.grown(reach_m);
     std::vector<std::uint32_t> out;
     for (std::uint32_t p = 0; p < detail_.parts.size(); ++p) {
       const Box part = {detail_.parts[p].low, detail_.parts[p].high};
-      if (near.meets(part) ||
-          std::ranges::any_of(directions, [&](const glm::vec3& d) { return box.meets_ahead(part, d); }))
+      if (near.touches(part) ||
+          std::ranges::any_of(directions, [&](const glm::vec3& d) { return box.reaches(part, d); }))
         out.push_back(p);
     }
     return out;

@@ -34,7 +34,7 @@ struct Group {
     joint.add(o.box);
     const std::uint32_t shift = step_shift_for_box(joint);
     return proxy_faces + o.proxy_faces <= leaf_triangles &&
-           detail_faces + o.detail_faces <= kDetailMostZones * leaf_triangles && !(textured && o.textured) &&
+           detail_faces + o.detail_faces <= kDetailZonesLimit * leaf_triangles && !(textured && o.textured) &&
            step_shift_for_box(box) == shift && step_shift_for_box(o.box) == shift;
   }
   void take(const Group& o) {
@@ -220,7 +220,7 @@ class Builder {
     cache_.add(state.key, state.proxy);
   }
 
-  // Refinement never raises the promised error, whatever a cache says.
+  // Refinement never raises the promised error, whatever a cache contains.
   static bool may_stand_above(const std::optional<Proxy>& proxy, std::span<const Proxy* const> children) {
     return !proxy || std::ranges::all_of(children, [&](const Proxy* child) {
       return child->error.max_m <= proxy->error.max_m && child->error.appearance_m <= proxy->error.appearance_m;

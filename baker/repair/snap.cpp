@@ -65,7 +65,7 @@ Result<WorldLattice> fit_lattice(const Scene& scene, std::int32_t step_log2) {
     if ((high[axis] - metres) * steps_per_m >= static_cast<double>(kLatticeExtentMax - 1)) {
       return Error{ErrorCode::kUnsupported,
                    "the scene is " + std::to_string(high[axis] - low[axis]) + " m wide along " + "xyz"[axis] +
-                       ", more than the lattice holds at steps of 2^" + std::to_string(step_log2) + " m"};
+                       ", wider than the lattice at steps of 2^" + std::to_string(step_log2) + " m"};
     }
   }
   return lattice;

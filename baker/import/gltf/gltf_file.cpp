@@ -133,7 +133,7 @@ bool decode_data_uri(const std::string& uri, std::vector<std::byte>& out) {
   std::string mime;
   if (!tinygltf::DecodeDataURI(&data, mime, uri, 0, false)) return false;
   out.resize(data.size());
-  std::memcpy(out.data(), data.data(), data.size());
+  std::ranges::transform(data, out.begin(), [](unsigned char c) { return std::byte{c}; });
   return true;
 }
 
@@ -160,7 +160,7 @@ Status check_required(const json& document, const std::string& path) {
   if (required == nullptr) return {};
   if (!required->is_array()) return Error{ErrorCode::kFormat, "extensionsRequired is not an array", path};
   for (const json& name : *required) {
-    if (!name.is_string()) return Error{ErrorCode::kFormat, "extensionsRequired holds something but names", path};
+    if (!name.is_string()) return Error{ErrorCode::kFormat, "extensionsRequired contains something but names", path};
     const std::string& text = name.get_ref<const std::string&>();
     if (std::find(kHandled.begin(), kHandled.end(), text) == kHandled.end() && !text.starts_with("KHR_materials_"))
       return Error{ErrorCode::kUnsupported, "requires the extension " + one_line(text) + ", which is not handled",
@@ -310,7 +310,7 @@ Status read_center(const json& document, GltfFile& file) {
 }
 
 // What tinygltf shall see. An indexed Draco primitive has accessors without a view, which it refuses: the index
-// accessor goes, since the Draco stream holds the indices.
+// accessor goes, since the Draco stream contains the indices.
 json reduced(const json& document, GltfFile& file) {
   json kept = json::object();
   for (const char* key :
@@ -377,7 +377,7 @@ Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path
   try {
     if (!parser.LoadASCIIFromString(&file.model, &fault, &warning, text.data(), static_cast<unsigned>(text.size()), ""))
       return file.error("invalid glTF: " + one_line(fault));
-    // It leaves out what it cannot parse, says so here and calls that success.
+    // It leaves out what it cannot parse, reports it here and returns success.
     if (!fault.empty()) return file.error("invalid glTF: " + one_line(fault));
   } catch (const std::bad_alloc&) {
     throw;

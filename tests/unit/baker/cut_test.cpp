@@ -53,7 +53,7 @@ TEST(Cut, BothSidesOfEveryBorderHaveTheSameVertices) {
   maker.terrain({100.3, 100.7, 40}, 90, 1.1);  // denser: neighbours of different depth
   const SnappedScene scene = snapped(std::move(maker.scene));
   const ZoneTree tree = test::cut(scene, 300).tree;
-  // Edges on border planes, from all zones: each must be met by its reverse, or lie on the rim of the scene.
+  // Edges on border planes, from all zones: each must have its reverse, or lie on the rim of the scene.
   std::map<std::pair<LatticePoint, LatticePoint>, int> edges;
   std::set<std::uint32_t> depths;
   for (const auto& zone : tree.zones) {

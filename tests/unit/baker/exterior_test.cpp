@@ -101,7 +101,7 @@ TEST(Exterior, WhatIsSeenRoundCornersStays) {
   EXPECT_EQ(out->dropped, 0U);
 }
 
-// The lower one's wall stays too: its room and the street look at the same face of the higher one.
+// The lower one's wall stays too: its room and the street face the same wall of the higher one.
 TEST(Exterior, WallsBetweenBuildingsThatTouchGoUnlessAStripOfThemShows) {
   for (const double lower_m : {0.0, 0.1, 4.0}) {
     test::SceneMaker maker;

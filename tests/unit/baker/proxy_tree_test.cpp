@@ -55,7 +55,7 @@ TEST(ProxyTree, NeighboursWithSmallProxiesAreOneZone) {
     const ProxyNode& leaf = built.proxies.nodes[static_cast<std::size_t>(node.parent)];
     EXPECT_LE(leaf.proxy.mesh.faces.size(), kLeafTriangles);
     EXPECT_LE(leaf.proxy.error.max_m, 0.1);
-    EXPECT_LE(node.proxy.mesh.faces.size(), kDetailMostZones * kLeafTriangles);
+    EXPECT_LE(node.proxy.mesh.faces.size(), kDetailZonesLimit * kLeafTriangles);
     EXPECT_NEAR(area_of(leaf.proxy.mesh) / area_of(node.proxy.mesh), 1, 1e-3);
   }
   EXPECT_GE(built.cut_leaves, 32U);

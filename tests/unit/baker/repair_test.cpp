@@ -170,7 +170,7 @@ TEST(Repair, AMoebiusStripIsCountedAndKeptWhole) {
 
 TEST(Repair, VerticesOnAnEdgeAreInsertedThere) {
   SceneMaker maker;
-  // One long triangle meets a row of short ones: seven vertices lie on its long side.
+  // One long triangle touches a row of short ones: seven vertices lie on its long side.
   const glm::dvec3 low(0), high(8, 0, 8);
   maker.triangle(low, high, {4, -5, 4}, 0);
   for (int i = 0; i < 8; ++i) {
@@ -287,7 +287,7 @@ TEST(Repair, SliversGoWhereTheirNeighboursCanMeet) {
   maker.triangle(a, b, {4, -6, 0}, 0);
   maker.triangle(n, a, {2, 5, 0}, 0);
   maker.triangle(b, n, {6, 5, 0}, 0);
-  maker.triangle(a, n, b, 0);  // no area: gone, and its neighbours meet
+  maker.triangle(a, n, b, 0);  // no area: gone, and its neighbours touch
   maker.object(ObjectKind::kObject);
   maker.triangle(a, {9, 3 * kStep, 0}, {9, 2 * kStep, 0.1}, 0);  // thin and alone: a wire
   maker.object(ObjectKind::kObject);
