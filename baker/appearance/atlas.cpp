@@ -152,7 +152,7 @@ void append_blocks(const Level& level, std::vector<std::uint32_t>& out) {
 
 std::optional<AtlasLayout> lay_out_atlas(std::span<const Chart* const> charts, double finest, std::uint32_t max_size) {
   for (int step = 0; step < kDensitySteps; ++step)
-    // As the page holds it.
+    // As the page contains it.
     if (const auto density = static_cast<float>(finest * std::exp2(-0.25 * step));
         auto layout = try_density(charts, density, max_size))
       return layout;

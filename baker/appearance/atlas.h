@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Places of charts in an atlas, and the atlas as the page holds it. Charts stand on whole 4 × 4 blocks with gutters, so
-// that filtering and the coarser levels stay within them. Deterministic. Thread-safe: no state.
+// Places of charts in an atlas, and the atlas as the page contains it. Charts stand on whole 4 × 4 blocks with gutters,
+// so that filtering and the coarser levels stay within them. Deterministic. Thread-safe: no state.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct AtlasLayout {
 };
 
 // The finest of the densities `finest`, finest / 2^¼, … at which the charts fit max_size²; in the smallest atlas that
-// holds them. Charts of no more than two texels have no place. Nothing when no chart has one.
+// contains them. Charts of no more than two texels have no place. Nothing when no chart has one.
 std::optional<AtlasLayout> lay_out_atlas(std::span<const Chart* const> charts, double finest, std::uint32_t max_size);
 
 struct EncodedAtlas {

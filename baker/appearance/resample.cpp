@@ -171,7 +171,7 @@ class Painter {
     for_texels(seen, kRim, [&](std::size_t i, const Flat& at) {
       if (inside_[i] < -kGutter) return;
       const double off = std::abs(seen.depth.at(at) - depth_[i]);
-      // On the rim a neighbour that holds the texel wins.
+      // On the rim a neighbour that contains the texel wins.
       const double distance = off + penalty + std::max(-seen.inside_by(at), 0.0) / raster_.texels_per_step;
       if (off > reach || distance >= distance_[i]) return;
       distance_[i] = distance;
@@ -185,7 +185,7 @@ class Painter {
     });
   }
 
-  // Texels that no source met take the colours around them, ring by ring.
+  // Texels without a source take the colours around them, ring by ring.
   void spread() {
     const std::size_t width = raster_.size[0];
     const std::size_t height = raster_.size[1];
@@ -237,7 +237,7 @@ class Painter {
     glm::dvec3 coded(0);
     glm::dvec3 squared(0);
     double count = 0;
-    for (const double least : {0.0, -kRim, -std::numeric_limits<double>::max()}) {  // thin charts hold no centre
+    for (const double least : {0.0, -kRim, -std::numeric_limits<double>::max()}) {  // thin charts contain no centre
       for (std::size_t i = 0; i < count_; ++i) {
         if (inside_[i] < least) continue;
         sum += glm::dvec3(color_[i]);

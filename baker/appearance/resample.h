@@ -23,7 +23,7 @@ struct ChartRaster {
 };
 
 struct ChartTexels {
-  std::vector<glm::vec3> colors;  // linear, rows; every texel has one when any source was met
+  std::vector<glm::vec3> colors;  // linear, rows; every texel has one where any source was found
   glm::vec3 mean{0};              // over the texels on the chart's triangles
   float deviation = 0;            // root mean square of those from the mean, of 8-bit sRGB
   bool painted = false;           // false: no source lies near

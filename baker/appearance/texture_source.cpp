@@ -35,23 +35,23 @@ std::uint64_t morton(const SourceTriangle& t) {
 
 }  // namespace
 
-TextureSource::TextureSource(Scene& scene) : images_(std::move(scene.images)) {
+TextureSource::TextureSource(Scene& scene, const WorldLattice& lattice) : images_(std::move(scene.images)) {
+  const double steps_per_m = std::ldexp(1.0, -lattice.step_log2);
+  const glm::dvec3 anchor(lattice.anchor[0], lattice.anchor[1], lattice.anchor[2]);
+  const auto to_steps = [&](std::uint32_t v) { return scene.positions[v] * steps_per_m - anchor; };
   triangles_.reserve(scene.texcoords.size());
   for (const TriangleTexcoords& entry : scene.texcoords) {
     const auto& corners = scene.triangles[entry.triangle];
-    triangles_.push_back({{scene.positions[corners[0]], scene.positions[corners[1]], scene.positions[corners[2]]},
+    triangles_.push_back({{to_steps(corners[0]), to_steps(corners[1]), to_steps(corners[2])},
                           entry.uv,
                           scene.triangle_material[entry.triangle]});
   }
   scene.texcoords = {};
+  sort();
 }
 
-void TextureSource::move_to_lattice(const std::array<std::int64_t, 3>& anchor, std::int32_t step_log2) {
-  const double steps_per_m = std::ldexp(1.0, -step_log2);
-  for (SourceTriangle& t : triangles_)
-    for (glm::dvec3& p : t.p)
-      for (int axis = 0; axis < 3; ++axis)
-        p[axis] = p[axis] * steps_per_m - static_cast<double>(anchor[static_cast<std::size_t>(axis)]);
+// And boxes of blocks of neighbours.
+void TextureSource::sort() {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order(triangles_.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = {morton(triangles_[i]), i};
   std::sort(order.begin(), order.end());

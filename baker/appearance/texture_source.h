@@ -22,14 +22,11 @@ struct SourceTriangle {
 
 class TextureSource {
  public:
-  // Takes images and texture coordinates out of the scene.
-  explicit TextureSource(Scene& scene);
-
-  // Once, before within(): from CRS metres to steps. anchor: steps.
-  void move_to_lattice(const std::array<std::int64_t, 3>& anchor, std::int32_t step_log2);
+  // Takes images and texture coordinates out of the scene, whose references fit_lattice has checked.
+  TextureSource(Scene& scene, const WorldLattice& lattice);
 
   [[nodiscard]] bool empty() const { return triangles_.empty(); }
-  // Those whose boxes meet `box`, in steps; in a fixed order.
+  // Those whose boxes intersect this one, in steps; in a fixed order.
   [[nodiscard]] std::vector<const SourceTriangle*> within(const glm::dvec3& min, const glm::dvec3& max) const;
   [[nodiscard]] const TextureImage& image(std::uint32_t index) const { return images_[index]; }
 
@@ -38,7 +35,9 @@ class TextureSource {
     glm::dvec3 min;
     glm::dvec3 max;
   };
-  std::vector<SourceTriangle> triangles_;  // in Morton order once on the lattice
+  void sort();
+
+  std::vector<SourceTriangle> triangles_;  // in Morton order
   std::vector<Block> blocks_;              // of kBlockTriangles each
   std::vector<TextureImage> images_;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The looks and the atlas of a zone whose source is textured: charts that show a picture share one atlas, charts of one
-// colour become that colour, and everything else keeps its material. Deterministic. Thread-safe: no state.
+// The surface attributes and the atlas of a zone whose source is textured: charts that show a picture share one atlas,
+// charts of one colour become that colour, and everything else keeps its material. Deterministic. Thread-safe: no
+// state.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Object splits by the surface area heuristic from the top down: object_split.h says which.
+// Object splits by the surface area heuristic from the top down: see object_split.h.
 // The depth stays below kBinaryDepthMax: deeper, and where all centres agree, the references are halved.
 // Deterministic. Thread-safe: no state.
 #pragma once

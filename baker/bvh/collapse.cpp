@@ -9,7 +9,7 @@
 namespace zc {
 namespace {
 
-constexpr std::uint32_t kRootsMost = gpu::kNodeWidth - 1;
+constexpr std::uint32_t kRootsLimit = gpu::kNodeWidth - 1;
 
 NodeBox wide_box(const BvhBox& b) { return {{b.min[0], b.min[1], b.min[2]}, {b.max[0], b.max[1], b.max[2]}}; }
 
@@ -34,11 +34,11 @@ class Collapse {
  private:
   // For one binary node: the least cost of its subtree as a forest of at most i + 1 trees, and how it comes about.
   struct Best {
-    std::array<float, kRootsMost> cost;
-    std::array<std::uint8_t, kRootsMost> left_roots;  // of the left child; 0: as for one root less
-    std::uint8_t node_left_roots = 0;                 // likewise when it becomes a node of its own
-    bool leaf = false;                                // whether one tree is a leaf
-    std::uint32_t count = 0;                          // references
+    std::array<float, kRootsLimit> cost;
+    std::array<std::uint8_t, kRootsLimit> left_roots;  // of the left child; 0: as for one root less
+    std::uint8_t node_left_roots = 0;                  // likewise when it becomes a node of its own
+    bool leaf = false;                                 // whether one tree is a leaf
+    std::uint32_t count = 0;                           // references
   };
 
   void weigh(std::uint32_t index) {
@@ -58,7 +58,7 @@ class Collapse {
     const auto distribute = [&](std::uint32_t roots, std::uint8_t& left_roots) {
       float least = std::numeric_limits<float>::infinity();
       for (std::uint32_t k = 1; k < roots; ++k) {
-        const float cost = left.cost[std::min(k, kRootsMost) - 1] + right.cost[std::min(roots - k, kRootsMost) - 1];
+        const float cost = left.cost[std::min(k, kRootsLimit) - 1] + right.cost[std::min(roots - k, kRootsLimit) - 1];
         if (cost < least) {
           least = cost;
           left_roots = static_cast<std::uint8_t>(k);
@@ -73,7 +73,7 @@ class Collapse {
     best.leaf = as_leaf <= as_node;
     best.cost[0] = std::min(as_leaf, as_node);
     best.left_roots[0] = 0;
-    for (std::uint32_t roots = 2; roots <= kRootsMost; ++roots) {
+    for (std::uint32_t roots = 2; roots <= kRootsLimit; ++roots) {
       std::uint8_t left_roots = 0;
       const float cost =
           roots < options_.width ? distribute(roots, left_roots) : std::numeric_limits<float>::infinity();
@@ -91,8 +91,8 @@ class Collapse {
       return;
     }
     const std::uint32_t k = best.left_roots[roots - 1];
-    find_children(tree_.nodes[index].left, std::min(k, kRootsMost), out);
-    find_children(tree_.nodes[index].left + 1, std::min(roots - k, kRootsMost), out);
+    find_children(tree_.nodes[index].left, std::min(k, kRootsLimit), out);
+    find_children(tree_.nodes[index].left + 1, std::min(roots - k, kRootsLimit), out);
   }
 
   void find_by_levels(std::uint32_t index, std::uint32_t levels, std::vector<std::uint32_t>& out) const {
@@ -129,7 +129,7 @@ class Collapse {
     }
   }
 
-  // Pieces of one triangle that meet again in a leaf, which begins at `first`, become one.
+  // Pieces of one triangle that are in one leaf again, which begins at `first`, become one.
   void merge_pieces(std::size_t first) {
     std::size_t end = first;
     for (std::size_t i = first; i < out_.references.size(); ++i) {
@@ -155,8 +155,8 @@ class Collapse {
       find_by_levels(index, 3, children);
     } else {
       const std::uint32_t k = best_[index].node_left_roots;
-      find_children(node.left, std::min(k, kRootsMost), children);
-      find_children(node.left + 1, std::min(options_.width - k, kRootsMost), children);
+      find_children(node.left, std::min(k, kRootsLimit), children);
+      find_children(node.left + 1, std::min(options_.width - k, kRootsLimit), children);
     }
     keep_within_node(children);
     std::array<NodeBox, gpu::kNodeWidth> boxes;

@@ -15,7 +15,7 @@ namespace zc {
 
 struct CollapseOptions {
   std::uint32_t width = gpu::kNodeWidth;                  // 2 to 8
-  std::uint32_t leaf_triangles = gpu::kLeafMaxTriangles;  // most of one leaf
+  std::uint32_t leaf_triangles = gpu::kLeafMaxTriangles;  // at most, of one leaf
   float node_cost = 1.0F;                                 // of visiting a node, against …
   float triangle_cost = 0.4F;                             // … testing a triangle
   float node_place_cost = 1;                              // of a node's bytes: in visits of the root, per reference

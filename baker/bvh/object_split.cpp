@@ -9,10 +9,10 @@
 namespace zc {
 namespace {
 
-constexpr std::uint32_t kBinsMost = 64;
+constexpr std::uint32_t kBinsLimit = 64;
 
 // The more references, the more of what a plane misplaces pays for.
-std::uint32_t bins_for(std::size_t references) { return references >= 512 ? kBinsMost : references >= 128 ? 32 : 16; }
+std::uint32_t bins_for(std::size_t references) { return references >= 512 ? kBinsLimit : references >= 128 ? 32 : 16; }
 
 // Of the centres, doubled; the last lane means nothing.
 struct CenterRange {
@@ -36,7 +36,7 @@ struct CenterRange {
 };
 
 // Order along an axis: by centre (17 bits), then by triangle (24 bits), then by place.
-using Keys = std::array<std::uint64_t, kSweepMost>;
+using Keys = std::array<std::uint64_t, kSweepLimit>;
 
 void sort_keys(std::span<const PackedBox> references, std::size_t axis, Keys& keys) {
   for (std::size_t i = 0; i < references.size(); ++i) {
@@ -60,7 +60,7 @@ ObjectSplit sweep(std::span<const PackedBox> references) {
     return split;
   }
   std::array<Keys, 3> by_axis;
-  std::array<std::int64_t, kSweepMost> right;
+  std::array<std::int64_t, kSweepLimit> right;
   ObjectSplit best;
   best.kind = ObjectSplit::Kind::kOrdered;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -91,8 +91,8 @@ ObjectSplit sweep(std::span<const PackedBox> references) {
 }
 
 struct Bins {
-  std::array<PackedBox, kBinsMost> boxes;
-  std::array<std::uint32_t, kBinsMost> counts{};
+  std::array<PackedBox, kBinsLimit> boxes;
+  std::array<std::uint32_t, kBinsLimit> counts{};
 };
 
 ObjectSplit bin(std::span<const PackedBox> references, const CenterRange& centers) {
@@ -112,8 +112,8 @@ ObjectSplit bin(std::span<const PackedBox> references, const CenterRange& center
   best.kind = ObjectSplit::Kind::kBinned;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (centers.extent(axis) == 0) continue;
-    std::array<std::int64_t, kBinsMost> right{};
-    std::array<PackedBox, kBinsMost> right_box;
+    std::array<std::int64_t, kBinsLimit> right{};
+    std::array<PackedBox, kBinsLimit> right_box;
     PackedBox box;
     std::uint32_t count = 0;
     for (std::uint32_t b = count_of_bins - 1; b > 0; --b) {
@@ -156,7 +156,7 @@ ObjectSplit halve(std::span<const PackedBox> references) {
 }
 
 ObjectSplit find_object_split(std::span<const PackedBox> references) {
-  if (references.size() <= kSweepMost) return sweep(references);
+  if (references.size() <= kSweepLimit) return sweep(references);
   const CenterRange centers(references);
   if (centers.extent(centers.widest()) > 0) return bin(references, centers);
   ObjectSplit split = halve(references);
@@ -173,7 +173,7 @@ void apply(const ObjectSplit& split, std::span<PackedBox> references) {
              split.last_bin;
     });
   } else if (split.kind == ObjectSplit::Kind::kOrdered) {
-    std::array<PackedBox, kSweepMost> from;
+    std::array<PackedBox, kSweepLimit> from;
     std::ranges::copy(references, from.begin());
     for (std::size_t i = 0; i < references.size(); ++i) references[i] = from[split.order[i]];
   } else {

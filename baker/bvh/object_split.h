@@ -13,7 +13,7 @@
 
 namespace zc {
 
-inline constexpr std::size_t kSweepMost = 12;  // references up to which every division is tried
+inline constexpr std::size_t kSweepLimit = 12;  // references up to which every division is tried
 
 struct ObjectSplit {
   std::int64_t cost = std::numeric_limits<std::int64_t>::max();
@@ -25,13 +25,13 @@ struct ObjectSplit {
   enum class Kind : std::uint8_t {
     kMedian,   // by the order of centres along the axis
     kBinned,   // by the bin of the centre along the axis
-    kOrdered,  // by the places in `order`; of at most kSweepMost references
+    kOrdered,  // by the places in `order`; of at most kSweepLimit references
   };
   Kind kind = Kind::kMedian;
   std::int32_t last_bin = 0;  // on the left
   float low = 0;              // centre, doubled, from which bins are counted
   float scale = 0;            // bins per unit
-  std::array<std::uint8_t, kSweepMost> order = {};
+  std::array<std::uint8_t, kSweepLimit> order = {};
 };
 
 // Finds the best division of at least two references. All of equal centres are halved.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lays a wide tree out as the `.zbvh` of a zone: quantised nodes, and clusters of what a depth-first visit meets in
+// Lays a wide tree out as the `.zbvh` of a zone: quantised nodes, and clusters of what a depth-first visit finds in
 // turn, so that neighbours share vertices. Deterministic. Thread-safe: no state.
 #pragma once
 

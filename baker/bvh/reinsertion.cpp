@@ -34,8 +34,8 @@ class Optimizer {
     batch_.clear();
     for (std::uint32_t i = 1; i < nodes_.size(); ++i)
       if (may_move(i)) batch_.push_back(static_cast<std::uint64_t>(kLargestArea - nodes_[i].area) << 26U | i);
-    const auto most = static_cast<std::size_t>(static_cast<double>(batch) * static_cast<double>(nodes_.size()));
-    const auto size = static_cast<std::ptrdiff_t>(std::min(most, batch_.size()));
+    const auto limit = static_cast<std::size_t>(static_cast<double>(batch) * static_cast<double>(nodes_.size()));
+    const auto size = static_cast<std::ptrdiff_t>(std::min(limit, batch_.size()));
     if (static_cast<std::size_t>(size) < batch_.size()) {
       std::nth_element(batch_.begin(), batch_.begin() + size, batch_.end());
       batch_.erase(batch_.begin() + size, batch_.end());
@@ -146,7 +146,7 @@ class Optimizer {
     nodes_[nodes_[node].left + 1].parent = node;
   }
 
-  // The sibling takes its parent's place; the pair that is free then holds the node and what it goes beside.
+  // The sibling takes its parent's place; the pair that is free then contains the node and what it goes beside.
   void move(std::uint32_t node, std::uint32_t target) {
     const std::uint32_t sibling = sibling_of(node);
     const std::uint32_t parent = nodes_[node].parent;

@@ -3,7 +3,7 @@
 // that overlap much, by a plane that cuts references in two when that costs less. A reference that the plane cuts still
 // goes to one side alone where that is cheaper ("unsplitting"). The number of references stays within (1 +
 // max_duplication) times the triangles: what a node may add is shared out to its children by their references, and what
-// the left one does not use is the right one's. The depth stays below kBinaryDepthMax, as binned_sah.h says. Source:
+// the left one does not use is the right one's. The depth stays below kBinaryDepthMax, as in binned_sah.h. Source:
 // Stich, Friedrich & Dietrich 2009, "Spatial splits in bounding volume hierarchies". Deterministic. Thread-safe: no
 // state.
 #pragma once

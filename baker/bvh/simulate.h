@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a wide tree costs to trace, by tracing it: representative reflection rays are taken through the tree as
 // shaders/traverse.glsl takes them (children in the order of `slot ^ octant`, all triangles of the leaves that a node's
-// slots were hit in before any child node, t_max shrinking with every hit, no second look at a child that waits on the
+// slots were hit in before any child node, t_max shrinking with every hit, no second test of a child that waits on the
 // stack), and the nodes visited and triangles tested are counted. The surface area heuristic assumes rays that are
 // spread evenly and never stop; reflections are neither. The rays, in equal parts, low-discrepancy (Roberts 2018, the R
 // sequences) and the same for the same triangles:

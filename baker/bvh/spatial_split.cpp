@@ -11,7 +11,7 @@ constexpr std::uint32_t kBins = 16;
 
 using Point = std::array<std::uint16_t, 3>;
 
-// Adds where the edge meets the plane, if it has ends on both sides of it.
+// Adds where the edge intersects the plane, if it has ends on both sides of it.
 void add_crossing(PackedBox& box, const Point& a, const Point& b, std::size_t axis, std::uint32_t plane) {
   const Point& from = a[axis] < b[axis] ? a : b;
   const Point& to = a[axis] < b[axis] ? b : a;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Dividing references by a plane that cuts those it meets: binned spatial splits.
+// Dividing references by a plane that cuts those it intersects: binned spatial splits.
 // Everything is exact or rounded outwards to the lattice: a piece's box contains all of the triangle that lies in the
 // piece. Quotients are taken in doubles: numerators and denominators are integers below 2^33, so that a quotient that
 // is no integer differs from every integer by more than its rounding error, and floor and ceiling come out exactly.

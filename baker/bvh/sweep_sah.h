@@ -2,7 +2,7 @@
 // Object splits by the surface area heuristic with every division along every axis tried at every node: references are
 // sorted once along each axis, and each split keeps the three orders.
 // Source: Wald & Havran 2006, "On building fast kd-trees for ray tracing, and on doing that in O(N log N)",
-// section 4.3, for boxes. The depth stays below kBinaryDepthMax, as binned_sah.h says. Deterministic. Thread-safe: no
+// section 4.3, for boxes. The depth stays below kBinaryDepthMax, as in binned_sah.h. Deterministic. Thread-safe: no
 // state beyond the builder's.
 #pragma once
 

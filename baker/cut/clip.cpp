@@ -70,7 +70,7 @@ class Clipper {
       den = -den;
       num = -num;
     }
-    // An edge along another border may be met by that border's nodes: the coarser of the two steps counts.
+    // An edge along another border may touch that border's nodes: the coarser of the two steps counts.
     std::uint32_t shift = grid_.border_shift(plane_);
     const std::size_t other = 1 - axis_;
     const bool along_border = a[other] == b[other] && grid_.may_be_border(a[other]);
@@ -145,7 +145,7 @@ void apply_splits(std::vector<LooseFace>& faces, const std::vector<EdgeSplit>& s
     const EdgeSplit& last = *std::prev(behind);
     return last.a == a && last.b == b ? &last : nullptr;
   };
-  // Faces grow at the end while they are halved: each half is looked at again.
+  // Faces grow at the end while they are halved: each half is tried again.
   for (std::size_t i = 0; i < faces.size(); ++i) {
     for (std::size_t edge = 0; edge < 3;) {
       LooseFace& face = faces[i];

@@ -18,13 +18,13 @@ constexpr std::int64_t kMinCellM = 16;
 constexpr std::int64_t kWholeObjectMaxM = 128;
 
 // Pieces, for each that there is now, that a cut may make at most: where more triangles lie over each other than beside
-// each other, smaller cells hold hardly fewer.
+// each other, smaller cells contain hardly fewer.
 constexpr std::uint64_t kPiecesMax = 2;
 
 // For fine steps alone the world is cut into no more cells than 128 along a side; into 32 where that cuts a handful of
 // wide triangles into any number of pieces.
-constexpr std::uint32_t kWidthDepthMost = 7;
-constexpr std::uint32_t kFewWidthDepthMost = 5;
+constexpr std::uint32_t kWidthDepthLimit = 7;
+constexpr std::uint32_t kFewWidthDepthLimit = 5;
 constexpr std::uint64_t kFewTriangles = 64;
 
 struct WholeObject {
@@ -82,12 +82,12 @@ void split(Subtree& tree, const CellGrid& grid, const LeafLimits& limits) {
   // One object that stays whole gains nothing from smaller cells.
   const bool divisible = !tree.cut.empty() || tree.whole.size() > 1;
   const std::uint64_t triangles = triangles_in(tree);
-  const bool is_wide = tree.zone.depth < kWidthDepthMost && step_shift_for_box(box_of(tree)) > limits.step_shift;
+  const bool is_wide = tree.zone.depth < kWidthDepthLimit && step_shift_for_box(box_of(tree)) > limits.step_shift;
   if (!divisible || (triangles <= limits.triangles && !is_wide) || !grid.can_split(tree.zone.depth)) return;
   const std::int64_t half = grid.cell_size(tree.zone.depth) / 2;
   const std::array<std::int64_t, 2> middle = {(2 * std::int64_t{tree.zone.cell_x} + 1) * half,
                                               (2 * std::int64_t{tree.zone.cell_y} + 1) * half};
-  const bool is_few = is_wide && triangles <= kFewTriangles && tree.zone.depth < kFewWidthDepthMost;
+  const bool is_few = is_wide && triangles <= kFewTriangles && tree.zone.depth < kFewWidthDepthLimit;
   if (!is_few && pieces_in_quarters(tree, middle) > kPiecesMax * triangles) return;
   std::array<std::unique_ptr<Subtree>, 4> parts;
   for (std::uint32_t i = 0; i < 4; ++i) {
@@ -123,7 +123,7 @@ void collect_splits(Subtree& tree, std::vector<EdgeSplit>& out) {
   for (auto& child : tree.children) collect_splits(*child, out);
 }
 
-void make_detail(Subtree& leaf, const SnappedScene& scene, const std::vector<EdgeSplit>& splits) {
+void make_detail(Subtree& leaf, const LatticeMesh& source, const std::vector<EdgeSplit>& splits) {
   apply_splits(leaf.cut, splits);
   LatticeMesh& mesh = leaf.zone.detail;
   for (const auto& face : leaf.cut) {
@@ -135,9 +135,9 @@ void make_detail(Subtree& leaf, const SnappedScene& scene, const std::vector<Edg
   }
   for (const auto& object : leaf.whole) {
     for (std::uint32_t i = object.first; i < object.first + object.count; ++i) {
-      LatticeFace face = scene.mesh.faces[i];
+      LatticeFace face = source.faces[i];
       for (std::uint32_t& v : face.v) {
-        mesh.vertices.push_back(scene.mesh.vertices[v]);
+        mesh.vertices.push_back(source.vertices[v]);
         v = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
       }
       mesh.faces.push_back(face);
@@ -147,38 +147,51 @@ void make_detail(Subtree& leaf, const SnappedScene& scene, const std::vector<Edg
   clean(mesh);
 }
 
+LatticeBox box_of(const SceneObject& object, const LatticeMesh& mesh) {
+  LatticeBox box;
+  for (std::uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i)
+    for (const std::uint32_t v : mesh.faces[i].v) box.add(mesh.vertices[v]);
+  return box;
+}
+
+std::int64_t longest_side(const LatticeBox& box) {
+  std::int64_t side = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) side = std::max(side, std::int64_t{box.max[axis]} - box.min[axis]);
+  return side;
+}
+
+enum class Shape { kWhole, kGround, kWide, kDense };
+
+// Whether an object stays whole, and if not, why.
+Shape shape_of(const SceneObject& object, const LatticeBox& box, std::int32_t step_log2, std::uint32_t leaf_triangles) {
+  if (object.kind == ObjectKind::kGround) return Shape::kGround;
+  if (longest_side(box) > kWholeObjectMaxM << -step_log2) return Shape::kWide;
+  return object.triangle_count > kDetailZonesLimit * leaf_triangles ? Shape::kDense : Shape::kWhole;
+}
+
 // Sorts the scene's objects into those that stay whole and loose faces.
-Subtree make_root(SnappedScene& scene, std::uint32_t leaf_triangles) {
-  const std::int64_t whole_max = kWholeObjectMaxM << -scene.step_log2;
+Subtree make_root(const CutInput& input, std::vector<ImportCount>& notes) {
+  const LatticeMesh& mesh = input.scene.mesh;
   std::uint64_t wide = 0;
   std::uint64_t dense = 0;
   Subtree root;
-  for (const auto& object : scene.objects) {
-    LatticeBox box;
-    for (std::uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i)
-      for (const std::uint32_t v : scene.mesh.faces[i].v) box.add(scene.mesh.vertices[v]);
-    bool whole = object.kind == ObjectKind::kObject;
-    if (whole) {
-      bool is_wide = false;
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        is_wide = is_wide || std::int64_t{box.max[axis]} - box.min[axis] > whole_max;
-      const bool is_dense = object.triangle_count > kDetailMostZones * leaf_triangles;
-      if (is_wide) ++wide;
-      if (is_dense && !is_wide) ++dense;
-      whole = !is_wide && !is_dense;
-    }
-    if (whole) {
+  for (const auto& object : input.scene.objects) {
+    const LatticeBox box = box_of(object, mesh);
+    const Shape shape = shape_of(object, box, input.scene.lattice.step_log2, input.leaf_triangles);
+    if (shape == Shape::kWhole) {
       root.whole.push_back({object.first_triangle, object.triangle_count, box});
       continue;
     }
+    wide += shape == Shape::kWide ? 1 : 0;
+    dense += shape == Shape::kDense ? 1 : 0;
     for (std::uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i) {
-      const LatticeFace& face = scene.mesh.faces[i];
-      const auto& p = scene.mesh.vertices;
+      const LatticeFace& face = mesh.faces[i];
+      const auto& p = mesh.vertices;
       root.cut.push_back({{p[face.v[0]], p[face.v[1]], p[face.v[2]]}, {}, face.material, face.ground});
     }
   }
-  if (wide > 0) scene.notes.push_back({"objects wider than 128 m, cut at zone borders", wide});
-  if (dense > 0) scene.notes.push_back({"objects of more triangles than four zones, cut at zone borders", dense});
+  if (wide > 0) notes.push_back({"objects wider than 128 m, cut at zone borders", wide});
+  if (dense > 0) notes.push_back({"objects of more triangles than four zones, cut at zone borders", dense});
   return root;
 }
 
@@ -208,8 +221,15 @@ bool CellGrid::on_cell_border(const Zone& zone, const LatticePoint& p) const {
   return std::ranges::any_of(std::array{p[0], p[1]}, [&](std::int64_t c) { return c > 0 && c < end && c % size == 0; });
 }
 
-CellGrid make_cell_grid(const LatticeMesh& mesh, std::int32_t step_log2, std::int64_t whole_size) {
-  const LatticeBox box = bounds_of(mesh);
+CellGrid fit_cells(const SnappedScene& scene, std::uint32_t leaf_triangles) {
+  const std::int32_t step_log2 = scene.lattice.step_log2;
+  std::int64_t whole_size = 0;
+  for (const SceneObject& object : scene.objects) {
+    const LatticeBox box = box_of(object, scene.mesh);
+    if (shape_of(object, box, step_log2, leaf_triangles) == Shape::kWhole)
+      whole_size = std::max(whole_size, longest_side(box));
+  }
+  const LatticeBox box = bounds_of(scene.mesh);
   const std::int64_t extent = std::max<std::int64_t>({box.max[0], box.max[1], 1}) + 1;
   CellGrid grid;
   grid.min_cell_log2 = static_cast<std::uint32_t>(std::countr_zero(static_cast<std::uint64_t>(kMinCellM))) +
@@ -231,15 +251,13 @@ std::uint32_t leaf_step_shift(double error_m, double step_m) {
   return shift;
 }
 
-ZoneTree cut_zones(SnappedScene& scene, std::uint32_t leaf_triangles, std::uint32_t leaf_shift) {
-  ZoneTree out;
-  Subtree root = make_root(scene, leaf_triangles);
-  std::int64_t whole_size = 0;
-  for (const WholeObject& object : root.whole)
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      whole_size = std::max(whole_size, std::int64_t{object.box.max[axis]} - object.box.min[axis]);
-  out.grid = make_cell_grid(scene.mesh, scene.step_log2, whole_size);
-  split(root, out.grid, {leaf_triangles, leaf_shift});
+Result<CutScene> cut_zones(CutInput&& input, BakeContext& context) {
+  context.begin(BakeStage::kCut);
+  SnappedScene& scene = input.scene;
+  CutScene out;
+  out.notes = std::move(scene.notes);
+  Subtree root = make_root(input, out.notes);
+  split(root, input.grid, {input.leaf_triangles, input.leaf_shift});
   std::vector<EdgeSplit> splits;
   collect_splits(root, splits);
   std::sort(splits.begin(), splits.end());
@@ -254,11 +272,17 @@ ZoneTree cut_zones(SnappedScene& scene, std::uint32_t leaf_triangles, std::uint3
       order.push_back(child.get());
     }
   }
-  out.zones.resize(order.size());
+  std::vector<Zone>& zones = out.tree.zones;
+  zones.resize(order.size());
   tbb::parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
-    if (order[i]->children.empty()) make_detail(*order[i], scene, splits);
-    out.zones[i] = std::move(order[i]->zone);
+    if (order[i]->children.empty()) make_detail(*order[i], scene.mesh, splits);
+    zones[i] = std::move(order[i]->zone);
   });
+  out.tree.grid = input.grid;
+  out.lattice = scene.lattice;
+  out.materials = std::move(scene.materials);
+  out.crs = std::move(scene.crs);
+  scene = {};
   return out;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cuts a snapped scene into a quadtree of zones. Whole objects go to the cell that holds the centre of their box;
+// Cuts a snapped scene into a quadtree of zones. Whole objects go to the cell that contains the centre of their box;
 // ground, and objects too large for one zone, are clipped exactly on the lattice along cell borders.
-// Points on a border are rounded, once, to the coarsest step of all nodes that may meet there, computed from the edge
+// Points on a border are rounded, once, to the coarsest step of all nodes that may touch there, computed from the edge
 // alone: both sides of a border and both faces of an edge get bit-identical points, and no level moves them again.
 // Owns what it returns. Deterministic at any thread count.
 #pragma once
@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "baker/repair/snap.h"
@@ -51,16 +52,33 @@ struct ZoneTree {
 };
 
 // What stays together has at most so many zones' worth of triangles: a zone must stay small against the memory cap.
-inline constexpr std::uint64_t kDetailMostZones = 4;
+inline constexpr std::uint64_t kDetailZonesLimit = 4;
 
-// whole_size: the longest side of an object's box that stays whole.
-CellGrid make_cell_grid(const LatticeMesh& mesh, std::int32_t step_log2, std::int64_t whole_size);
+// The cells of a whole city, of which a leaf has `leaf_triangles`.
+CellGrid fit_cells(const SnappedScene& scene, std::uint32_t leaf_triangles);
 
 // The largest step shift of a leaf at which rounding to its step takes two thirds of `error_m` at most.
 std::uint32_t leaf_step_shift(double error_m, double step_m);
 
 // A zone of more triangles than `leaf_triangles`, or so wide that its step would be above `leaf_shift`, is split, as
-// far as that makes sense. Adds to scene.notes what it cut against its kind.
-ZoneTree cut_zones(SnappedScene& scene, std::uint32_t leaf_triangles, std::uint32_t leaf_shift = 30);
+// far as that makes sense.
+struct CutInput {
+  SnappedScene scene;
+  std::uint32_t leaf_triangles = 0;
+  std::uint32_t leaf_shift = 30;
+  // Of the whole city:
+  CellGrid grid;  // fit_cells
+};
+
+// As SnappedScene, with zones for the mesh and its objects.
+struct CutScene {
+  ZoneTree tree;
+  WorldLattice lattice;
+  std::vector<Material> materials;
+  std::string crs;
+  std::vector<ImportCount> notes;  // and what was cut against its kind
+};
+
+Result<CutScene> cut_zones(CutInput&& input, BakeContext& context);
 
 }  // namespace zc

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "baker/distance/hausdorff_bound.h"
@@ -16,7 +17,7 @@ constexpr double kLoose = 1.02;               // over what samples found
 constexpr double kLeast = 0.1;                // steps: what is nearer is as good as on the surface
 constexpr double kMargin = 0.5;               // of what is enough
 constexpr double kLeastPiece = 0.03;          // of what is enough
-constexpr double kNear = 0.1;                 // of what is enough: no need to look for what is nearer still
+constexpr double kNear = 0.1;                 // of what is enough: no search for what is nearer still
 constexpr double kGrowth = 1.1;               // from one round to the next
 constexpr std::uint32_t kPieces = 2000;       // a round
 constexpr std::uint32_t kMorePieces = 20000;  // of the round that confirms the promise
@@ -35,10 +36,10 @@ class NearestOfAll {
   const DistanceTriangle* operator()(const glm::dvec3& p, double& distance) const {
     const DistanceTriangle* found = nullptr;
     const std::size_t first = nearest_box(surfaces_, p);
-    surfaces_[first].bvh->nearest(p, kEveryAppearance, near_, found, distance, &work_);
+    surfaces_[first].bvh->nearest(p, std::nullopt, near_, found, distance, &work_);
     for (std::size_t i = 0; i < surfaces_.size() && distance > near_; ++i)
       if (i != first && surfaces_[i].bvh->distance_to_bounds(p) < distance)
-        surfaces_[i].bvh->nearest(p, kEveryAppearance, near_, found, distance, &work_);
+        surfaces_[i].bvh->nearest(p, std::nullopt, near_, found, distance, &work_);
     return found;
   }
 
@@ -76,8 +77,8 @@ double bound_triangle(const Corners& triangle, std::span<const DetailSurface> to
 DistanceBound bound_distance(const LatticeMesh& from, std::span<const DetailSurface> to, double known, double promise) {
   const std::size_t count = from.faces.size();
   std::vector<DistanceBound> blocks((count + kBlock - 1) / kBlock);
-  const auto bound_block = [&](std::size_t b, std::uint64_t most) {
-    Work work{most};
+  const auto bound_block = [&](std::size_t b, std::uint64_t limit) {
+    Work work{limit};
     double distance = 0;
     for (std::size_t i = b * kBlock; i < std::min(count, (b + 1) * kBlock); ++i)
       distance = std::max(distance, bound_triangle(corners_of(from, from.faces[i]), to, known, promise, work));

@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t kLeafTriangles = 4;
 constexpr std::size_t kPiecesPerTriangle = 4;  // at most, on average
 constexpr double kWaste = 8;                   // of a box, against a triangle's share of all boxes' surface
-constexpr int kTiedMost = 256;                 // triangles looked at for the best aligned
+constexpr int kTiedLimit = 256;                // triangles tried for the best aligned
 constexpr double kAligned = 1 - 1e-9;          // nothing is better aligned
 
 double squared_distance_to_box(const glm::dvec3& p, const glm::dvec3& low, const glm::dvec3& high) {
@@ -128,8 +128,10 @@ DistanceBvh::DistanceBvh(const LatticeMesh& mesh, std::span<const std::uint16_t>
     Node& node = nodes_[i];
     if (node.count == 0) node.appearances = nodes_[node.first].appearances | nodes_[node.first + 1].appearances;
     for (std::uint32_t t = node.first; t < node.first + node.count; ++t)
-      node.appearances |= appearance_bit(triangles_[t].appearance);
+      node.appearances |= filter_bit(triangles_[t].appearance);
   }
+  for (const DistanceTriangle& t : triangles_)
+    if (t.appearance >= 64) shared_bits_ |= filter_bit(t.appearance);
 }
 
 double DistanceBvh::distance_to_bounds(const glm::dvec3& p) const {
@@ -176,13 +178,13 @@ void DistanceBvh::visit_near(const glm::dvec3& p, const Reach& reach, const Ente
   }
 }
 
-void DistanceBvh::nearest(const glm::dvec3& p, std::uint64_t appearances, double enough,
+void DistanceBvh::nearest(const glm::dvec3& p, std::optional<std::uint16_t> appearance, double enough,
                           const DistanceTriangle*& triangle, double& distance, Work* work) const {
+  const std::uint64_t wanted = appearance ? filter_bit(*appearance) : ~std::uint64_t{0};
   visit_near(
-      p, [&] { return distance > enough ? distance : -1.0; },
-      [&](std::uint64_t bits) { return (bits & appearances) != 0; },
+      p, [&] { return distance > enough ? distance : -1.0; }, [&](std::uint64_t bits) { return (bits & wanted) != 0; },
       [&](const DistanceTriangle& t) {
-        if ((appearance_bit(t.appearance) & appearances) == 0 || distance <= enough) return;
+        if ((appearance && t.appearance != *appearance) || distance <= enough) return;
         const double d = t.distance(p);
         if (d > distance || (d == distance && triangle != nullptr)) return;
         distance = d;
@@ -195,7 +197,7 @@ double DistanceBvh::closest_of_appearance(const glm::dvec3& p, std::uint16_t app
                                           Work* work) const {
   visit_near(
       p, [&] { return limit > enough ? limit : -1.0; },
-      [&](std::uint64_t bits) { return (bits & appearance_bit(appearance)) != 0; },
+      [&](std::uint64_t bits) { return (bits & filter_bit(appearance)) != 0; },
       [&](const DistanceTriangle& t) {
         if (t.appearance == appearance) limit = std::min(limit, t.distance(p));
       },
@@ -203,14 +205,14 @@ double DistanceBvh::closest_of_appearance(const glm::dvec3& p, std::uint16_t app
   return limit;
 }
 
-std::uint64_t DistanceBvh::appearances_within(const glm::dvec3& p, double radius, std::uint64_t known,
+AppearanceSet DistanceBvh::appearances_within(const glm::dvec3& p, double radius, std::uint16_t known,
                                               Work* work) const {
-  std::uint64_t found = known;
+  AppearanceSet found;
+  found.add(known);
   visit_near(
-      p, [&] { return radius; }, [&](std::uint64_t bits) { return (bits & ~found) != 0; },
+      p, [&] { return radius; }, [&](std::uint64_t bits) { return (bits & (~found.first_bits() | shared_bits_)) != 0; },
       [&](const DistanceTriangle& t) {
-        if ((appearance_bit(t.appearance) & ~found) != 0 && t.distance(p) <= radius)
-          found |= appearance_bit(t.appearance);
+        if (!found.has(t.appearance) && t.distance(p) <= radius) found.add(t.appearance);
       },
       work);
   return found;
@@ -231,8 +233,8 @@ void DistanceBvh::closest(const glm::dvec3& p, const glm::dvec3& normal, double 
       work);
   if (nearest < best.distance - tie) best.alignment = -1;
   best.distance = nearest;
-  // Where very many lie on top of each other, one of those that are looked at has to do.
-  int left = kTiedMost;
+  // Where very many lie on top of each other, one of those that are tried has to do.
+  int left = kTiedLimit;
   visit_near(
       p, [&] { return left > 0 && best.alignment < kAligned ? nearest + tie : -1.0; },
       [](std::uint64_t) { return true; },

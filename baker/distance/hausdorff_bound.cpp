@@ -65,7 +65,7 @@ void add_fan(const Polygon& polygon, std::vector<Corners>& pieces) {
 // Cuts away from `piece` what lies within `offset` of the sides of `t`, as far as all that is near enough, and adds the
 // rest to `pieces`; false, and nothing added, where it is not.
 bool cut_away(const Corners& piece, const DistanceTriangle& t, double offset, double enough,
-              std::vector<Corners>& pieces, double& most) {
+              std::vector<Corners>& pieces, double& bound) {
   Polygon inside;
   for (const glm::dvec3& p : piece) inside.add(p);
   const std::array<glm::dvec3, 3> corner = {t.a, t.a + t.ab, t.a + t.ac};
@@ -79,12 +79,12 @@ bool cut_away(const Corners& piece, const DistanceTriangle& t, double offset, do
   }
   const double farthest_inside = farthest(std::span(inside.corner).first(inside.count), t);
   if (farthest_inside > enough) return false;
-  most = std::max(most, farthest_inside);
+  bound = std::max(bound, farthest_inside);
   for (const Polygon& polygon : outside) add_fan(polygon, pieces);
   return true;
 }
 
-// How far outside the sides of `t` planes meet no farther than 1 from a corner.
+// How far outside the sides of `t` planes intersect no farther than 1 from a corner.
 double offset_at_corners(const DistanceTriangle& t) {
   const std::array<glm::dvec3, 3> along = {glm::normalize(t.ab), glm::normalize(t.ac - t.ab), -glm::normalize(t.ac)};
   double offset = 1;
@@ -95,9 +95,9 @@ double offset_at_corners(const DistanceTriangle& t) {
 
 // The wide margin first: it leaves the least, but is too much at sharp corners.
 bool cut_away(const Corners& piece, const DistanceTriangle& t, const HausdorffLimits& limits,
-              std::vector<Corners>& pieces, double& most) {
-  return cut_away(piece, t, limits.margin, limits.enough, pieces, most) ||
-         cut_away(piece, t, limits.margin * offset_at_corners(t), limits.enough, pieces, most);
+              std::vector<Corners>& pieces, double& bound) {
+  return cut_away(piece, t, limits.margin, limits.enough, pieces, bound) ||
+         cut_away(piece, t, limits.margin * offset_at_corners(t), limits.enough, pieces, bound);
 }
 
 void halve(const Corners& piece, std::size_t side, std::vector<Corners>& pieces) {

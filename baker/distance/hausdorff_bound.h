@@ -20,10 +20,10 @@ using Corners = std::array<glm::dvec3, 3>;
 Corners corners_of(const LatticeMesh& mesh, const LatticeFace& face);
 
 struct HausdorffLimits {
-  double enough = 0;          // distances up to this need not be told apart
+  double enough = 0;          // distances up to this are all alike
   double margin = 0;          // how far beyond its sides a triangle of the surface is taken to cover: less than enough
   double least_piece = 1;     // pieces with shorter sides are not halved
-  std::uint32_t pieces = 0;   // looked at, at most
+  std::uint32_t pieces = 0;   // at most
   bool stop_outside = false;  // stop at the first piece that is not within `enough`
   Work* work = nullptr;       // when it is spent, pieces are not halved any more; one a piece is added to it
 };

@@ -83,7 +83,7 @@ ClosestHit closest_of(std::span<const DetailSurface> surfaces, const Sample& sam
   return best;
 }
 
-// Distance from p to the nearest surface of a appearance, or to any within `enough`, or `limit`.
+// Distance from p to the nearest surface of an appearance, or to any within `enough`, or `limit`.
 double appearance_distance(std::span<const DetailSurface> surfaces, const glm::dvec3& p, std::uint16_t appearance,
                            double limit, double enough, Work& work) {
   const std::size_t first = nearest_box(surfaces, p);

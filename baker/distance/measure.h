@@ -19,9 +19,9 @@ struct SurfaceError {
   double normal_deviation_deg =
       0;                   // largest, 0..90, of unsigned normals between an area sample and the closest surface
   double color_error = 0;  // mean absolute linear RGB difference, 0..1
-  // Largest distance, over area samples that look unlike the closest surface, to where the appearance is right: on the
-  // other side to the sample's own appearance, or on its own side to the appearance it was given, whichever is nearer.
-  // Half the width of a window that vanished in its wall, say.
+  // Largest distance, over area samples of another appearance than the closest surface, to where the appearance is
+  // right: on the other side to the sample's own appearance, or on its own side to the appearance it was given,
+  // whichever is nearer. Half the width of a window that vanished in its wall, say.
   double appearance_m = 0;
   std::uint64_t work = 0;  // that measuring took
   bool is_loose = false;  // measuring took all the work that it may: the distances are bounds still, but not close ones
@@ -49,7 +49,7 @@ struct DetailSurface {
 // Which of them has the nearest box to p: it usually settles all others.
 std::size_t nearest_box(std::span<const DetailSurface> surfaces, const glm::dvec3& p);
 
-// Class of each material: materials of one class are hard to tell apart.
+// Class of each material: materials of one class are hard to distinguish.
 std::vector<std::uint16_t> appearance_classes(std::span<const Material> materials);
 
 // appearances: appearance_classes(materials). promise_m: a bound of the distance that the proxy was made to keep; 0:

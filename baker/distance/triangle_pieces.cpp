@@ -38,7 +38,7 @@ double half_surface(const LatticeBox& box) {
 }
 
 std::vector<TrianglePiece> pieces_of(std::size_t count, const std::function<Corners(std::size_t)>& triangle,
-                                     double bearable, std::size_t most) {
+                                     double bearable, std::size_t limit) {
   std::vector<TrianglePiece> pieces;
   std::priority_queue<TrianglePiece, std::vector<TrianglePiece>, WastesLess> wasteful;
   for (std::size_t i = 0; i < count; ++i) {
@@ -52,7 +52,7 @@ std::vector<TrianglePiece> pieces_of(std::size_t count, const std::function<Corn
   while (!wasteful.empty()) {
     const TrianglePiece piece = wasteful.top();
     wasteful.pop();
-    if (piece.waste <= bearable || pieces.size() + wasteful.size() >= most) {
+    if (piece.waste <= bearable || pieces.size() + wasteful.size() >= limit) {
       pieces.push_back(piece);
       continue;
     }

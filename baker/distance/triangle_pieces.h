@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Triangles in pieces, each with a box of its own: long ones that lie across the axes would fill a tree with boxes that
-// hold little of them. Source: Ernst & Greiner 2007, "Early split clipping". Units: steps. Deterministic. Thread-safe:
-// no state.
+// contain little of them. Source: Ernst & Greiner 2007, "Early split clipping". Units: steps. Deterministic.
+// Thread-safe: no state.
 #pragma once
 
 #include <cstddef>
@@ -25,8 +25,8 @@ struct TrianglePiece {
 
 double half_surface(const LatticeBox& box);
 
-// Halves those that waste the most, at their longest side, until none wastes more than `bearable` or there are `most`.
+// Halves those that waste the most, at their longest side, until none wastes more than `bearable` or there are `limit`.
 std::vector<TrianglePiece> pieces_of(std::size_t count, const std::function<Corners(std::size_t)>& triangle,
-                                     double bearable, std::size_t most);
+                                     double bearable, std::size_t limit);
 
 }  // namespace zc

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Work of geometric searches, counted in boxes and triangles looked at and never in time: what stops when so much is
+// Work of geometric searches, counted in boxes and triangles visited and never in time: what stops when so much is
 // done stops at the same place on every machine. Not thread-safe: one per task.
 #pragma once
 

@@ -22,10 +22,10 @@ constexpr float kSpacingM = 0.25F;
 constexpr int kFewRows = 4;  // of a face's points
 constexpr int kManyRows = 32;
 constexpr std::size_t kBlock = 64;  // sides that a thread takes at a time
-// Sides between two looks at what is known by then: an opening that one of them finds spares the others.
+// Sides between two updates of what is known: an opening that one of them finds spares the others.
 constexpr std::size_t kSidesAtOnce = 2048;
 
-// Sides of faces, 2 f in front and 2 f + 1 behind, and the open; those that are joined look into one space.
+// Sides of faces, 2 f in front and 2 f + 1 behind, and the open; those that are joined face one space.
 class Spaces {
  public:
   explicit Spaces(std::size_t faces) : open_(static_cast<std::uint32_t>(2 * faces)), sets_(2 * faces + 1) {}
@@ -74,13 +74,13 @@ class Exterior {
     std::vector<std::uint32_t> sides;
     for (std::uint32_t f = 0; f < faces; ++f)
       if (!mesh_.faces[f].ground) sides.push_back(2 * f);
-    // Most faces are seen at once from their fronts; what few rays leave sealed is looked at with many.
-    rows_most_ = kFewRows;
-    appearance(sides);
-    while (!(sides = unknown_sides()).empty()) appearance(sides);
-    rows_most_ = kManyRows;
+    // Most faces are seen at once from their fronts; what few rays leave sealed gets many.
+    row_limit_ = kFewRows;
+    trace_from(sides);
+    while (!(sides = unknown_sides()).empty()) trace_from(sides);
+    row_limit_ = kManyRows;
     seen_.assign(seen_.size(), false);
-    while (!(sides = unknown_sides()).empty()) appearance(sides);
+    while (!(sides = unknown_sides()).empty()) trace_from(sides);
     std::vector<bool> out(faces);
     for (std::uint32_t f = 0; f < faces; ++f)
       out[f] = mesh_.faces[f].ground || spaces_.is_open(2 * f) || spaces_.is_open(2 * f + 1);
@@ -90,7 +90,7 @@ class Exterior {
  private:
   using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
-  // Those nobody looked from yet that share a space with a side of a face that is not known to be seen.
+  // Those without rays yet that share a space with a side of a face that is not known to be seen.
   std::vector<std::uint32_t> unknown_sides() {
     std::vector<bool> wanted(spaces_.open() + std::size_t{1});
     for (std::uint32_t f = 0; f < mesh_.faces.size(); ++f) {
@@ -103,19 +103,19 @@ class Exterior {
     return out;
   }
 
-  void appearance(const std::vector<std::uint32_t>& sides) {
+  void trace_from(const std::vector<std::uint32_t>& sides) {
     for (const std::uint32_t side : sides) seen_[side] = true;
-    std::vector<std::vector<Pair>> met((sides.size() + kBlock - 1) / kBlock);
-    for_each_on_threads(met.size(), threads_, [&](std::size_t block) {
+    std::vector<std::vector<Pair>> joined((sides.size() + kBlock - 1) / kBlock);
+    for_each_on_threads(joined.size(), threads_, [&](std::size_t block) {
       for (std::size_t i = block * kBlock; i < std::min(sides.size(), (block + 1) * kBlock); ++i)
-        look_from(sides[i], met[block]);
+        trace_side(sides[i], joined[block]);
     });
-    for (const auto& pairs : met)
+    for (const auto& pairs : joined)
       for (const auto& [a, b] : pairs) spaces_.join(a, b);
   }
 
   // Until a ray gets out.
-  void look_from(std::uint32_t side, std::vector<Pair>& met) const {
+  void trace_side(std::uint32_t side, std::vector<Pair>& joined) const {
     const std::uint32_t face = side / 2;
     const glm::vec3* corner = &detail_.corners[3 * std::size_t{face}];
     const glm::vec3 z = side % 2 == 0 ? detail_.normal[face] : -detail_.normal[face];
@@ -131,7 +131,7 @@ class Exterior {
       for (glm::vec3& ray : rays) ray = x * ray.x + y * ray.y + z * ray.z;
       for (const LightScene::Hit& hit : scene_->closest(point + z * detail_.bias_m, rays, kFarM)) {
         if (!std::isfinite(hit.distance_m)) {
-          met.push_back({side, spaces_.open()});
+          joined.push_back({side, spaces_.open()});
           return;
         }
         const std::uint32_t other = 2 * hit.triangle + (hit.from_behind ? 1 : 0);
@@ -140,14 +140,14 @@ class Exterior {
     }
     std::ranges::sort(others);
     others.erase(std::unique(others.begin(), others.end()), others.end());
-    for (const std::uint32_t other : others) met.push_back({side, other});
+    for (const std::uint32_t other : others) joined.push_back({side, other});
   }
 
   // Rows from the first edge to the corner opposite; the rim is among them.
   [[nodiscard]] std::vector<glm::vec3> points_of(const glm::vec3* corner) const {
     const float longest = std::max(
         {glm::length(corner[1] - corner[0]), glm::length(corner[2] - corner[1]), glm::length(corner[0] - corner[2])});
-    const int rows = std::clamp(static_cast<int>(std::ceil(longest / kSpacingM)), 3, rows_most_);
+    const int rows = std::clamp(static_cast<int>(std::ceil(longest / kSpacingM)), 3, row_limit_);
     std::vector<glm::vec3> out;
     for (int i = 0; i <= rows; ++i)
       for (int j = 0; j <= rows - i; ++j) {
@@ -162,15 +162,18 @@ class Exterior {
   unsigned threads_;
   LightDetail detail_;
   const LightScene* scene_ = nullptr;
-  int rows_most_ = 0;
+  int row_limit_ = 0;
   Spaces spaces_;
-  std::vector<bool> seen_;  // sides that were looked from
+  std::vector<bool> seen_;  // sides that had their rays
 };
 
 }  // namespace
 
-Result<std::uint64_t> drop_interior(SnappedScene& scene, unsigned threads) {
-  ZC_ASSIGN(const std::vector<bool> visible, Exterior(scene.mesh, std::ldexp(1.0, scene.step_log2), threads).visible());
+Result<ExteriorScene> drop_interior(SnappedScene&& input, BakeContext& context) {
+  context.begin(BakeStage::kExterior);
+  ExteriorScene out = {std::move(input), 0};
+  SnappedScene& scene = out.scene;
+  ZC_ASSIGN(const std::vector<bool> visible, Exterior(scene.mesh, scene.lattice.step_m(), context.threads()).visible());
   std::vector<LatticeFace> faces;
   std::vector<SceneObject> objects;
   for (SceneObject& object : scene.objects) {
@@ -181,11 +184,11 @@ Result<std::uint64_t> drop_interior(SnappedScene& scene, unsigned threads) {
     object.triangle_count = static_cast<std::uint32_t>(faces.size()) - first;
     if (object.triangle_count > 0) objects.push_back(std::move(object));
   }
-  const std::uint64_t dropped = scene.mesh.faces.size() - faces.size();
+  out.dropped = scene.mesh.faces.size() - faces.size();
   scene.mesh.faces = std::move(faces);
   scene.objects = std::move(objects);
-  if (dropped > 0) weld(scene.mesh);
-  return dropped;
+  if (out.dropped > 0) weld(scene.mesh);
+  return out;
 }
 
 }  // namespace zc

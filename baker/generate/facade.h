@@ -13,7 +13,7 @@
 
 namespace zc::generate {
 
-// What a wall looks out on: that decides its ground floor, and whether it has windows at all.
+// What a wall faces: that decides its ground floor, and whether it has windows at all.
 enum class WallKind : std::uint8_t { kShop, kHouse, kWindows, kBlind };
 
 struct Facade {

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string_view>
 #include <unordered_map>
 
 namespace zc::generate {
@@ -35,15 +35,15 @@ Position to_gltf(Vec3 p) {
 
 std::string json_triple(const Position& p) { return nlohmann::json(p).dump(); }
 
-void append(std::vector<std::byte>& out, const void* data, std::size_t bytes) {
-  const std::size_t at = out.size();
-  out.resize(at + bytes);
-  std::memcpy(out.data() + at, data, bytes);
+template <class T>
+void append(std::vector<std::byte>& out, std::span<T> values) {
+  const std::span<const std::byte> bytes = std::as_bytes(values);
+  out.insert(out.end(), bytes.begin(), bytes.end());
 }
 
 void append_u32(std::vector<std::byte>& out, std::uint64_t value) {
   const auto word = static_cast<std::uint32_t>(value);
-  append(out, &word, sizeof(word));
+  append(out, std::span(&word, 1));
 }
 
 }  // namespace
@@ -137,16 +137,16 @@ Result<std::vector<std::byte>> GlbWriter::finish() {
   }
   std::vector<std::byte> out;
   out.reserve(total);
-  append(out, "glTF", 4);
+  append(out, std::span(std::string_view("glTF")));
   append_u32(out, 2);
   append_u32(out, total);
   append_u32(out, json.size());
   append_u32(out, kChunkJson);
-  append(out, json.data(), json.size());
+  append(out, std::span(json));
   append_u32(out, bin_bytes);
   append_u32(out, kChunkBin);
-  append(out, positions_.data(), position_bytes);
-  append(out, indices_.data(), index_bytes);
+  append(out, std::span(positions_));
+  append(out, std::span(indices_));
   *this = {};
   return out;
 }

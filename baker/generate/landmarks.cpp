@@ -101,7 +101,7 @@ void add_tire_shop(GlbWriter& glb, const Layout& layout, std::span<const Shot> s
         {sill, kKerb + 3.9, std::move(openings), Mat::kPlasterWhite, Mat::kConcreteDark}};
     emit_wall(mesh, outline[k], outline[(k + 1) % 4], kBuildingBase, parapet, rows, Mat::kPaintRed);
   };
-  // Every wall has its row at the same heights, so the corners meet.
+  // Every wall has its row at the same heights, so the corners agree.
   const double sill = kKerb + 0.12;
   wall(0, {}, sill);
   wall(1, {{2, 5, Mat::kGlassDark, 0}, {6, 9, Mat::kGlassDark, 0}}, sill);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One object's triangles: quads, boxes, prisms, tubes, in a local frame that may be turned about the vertical.
-// Positions are rounded to 2^-10 m when they are added: floats hold that grid exactly out to 16 km, so edges that
-// meet in the design meet in the file bit by bit, whatever the maths library's last digit.
+// Positions are rounded to 2^-10 m when they are added: floats store that grid exactly out to 16 km, so edges that
+// touch in the design touch in the file bit by bit, whatever the maths library's last digit.
 // Units: metres, z up, counter-clockwise outward. Thread-safe: one object per thread.
 #pragma once
 

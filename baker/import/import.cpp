@@ -87,7 +87,9 @@ Status import_one(const std::filesystem::path& input, std::optional<EarthFrame>&
   if (is_glb) return import_gltf(std::move(bytes), path, place, images, builder);
   text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   if (is_tileset(text)) return import_tileset(text, path, earth, images, builder);
-  const bool is_gltf = has_top_level_key(text, "asset") && !has_top_level_key(text, "CityObjects");
+  // glTF 1.0 may have no asset.
+  const bool is_gltf = (has_top_level_key(text, "asset") || has_top_level_key(text, "meshes")) &&
+                       !has_top_level_key(text, "CityObjects");
   if (is_gltf) return import_gltf(std::move(bytes), path, place, images, builder);
   return import_cityjson(text, path, images, builder);
 }

@@ -15,7 +15,7 @@
 namespace zc {
 
 // Reads every input (told apart by content, not by extension) and merges them into one scene, in order. A pipe, or "-"
-// for standard input, gives CityJSONSeq, which is not held; its images lie in the current folder.
+// for standard input, gives CityJSONSeq, which is not kept in memory; its images lie in the current folder.
 Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs);
 
 }  // namespace zc

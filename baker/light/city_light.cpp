@@ -29,11 +29,11 @@ struct Box {
     high = glm::max(high, b.high);
   }
   [[nodiscard]] Box grown(float by) const { return {low - by, high + by}; }
-  [[nodiscard]] bool meets(const Box& b) const {
+  [[nodiscard]] bool touches(const Box& b) const {
     return glm::all(glm::lessThanEqual(low, b.high)) && glm::all(glm::greaterThanEqual(high, b.low));
   }
   // Whether a point of it that moves in this direction for ever comes to `b`.
-  [[nodiscard]] bool meets_ahead(const Box& b, const glm::vec3& direction) const {
+  [[nodiscard]] bool reaches(const Box& b, const glm::vec3& direction) const {
     float from = 0;
     float to = std::numeric_limits<float>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
@@ -73,7 +73,7 @@ struct Region {
 
 std::vector<Region> make_regions(std::span<const NodeRecord> nodes, double step_m) {
   std::vector<Box> boxes;
-  LatticeBox all;  // without errors: the city is not to be parted anew when one of them changes
+  LatticeBox all;  // without errors: the city is not to be divided anew when one of them changes
   for (const NodeRecord& node : nodes) {
     boxes.push_back(box_of(node, step_m));
     all.add(LatticeBox{node.bounds_min, node.bounds_max});
@@ -106,19 +106,16 @@ std::span<const std::byte> bytes_of(const std::vector<T>& values, std::size_t fi
 
 class CityLighter {
  public:
-  CityLighter(std::span<const ZoneMesh> meshes, std::span<const NodeRecord> nodes, std::span<const Material> materials,
-              const std::optional<SunAngles>& sun, double step_m, unsigned threads, BakeCache& cache,
-              const std::function<void()>& done)
-      : meshes_(meshes),
-        nodes_(nodes),
-        sun_(sun),
-        step_m_(step_m),
-        threads_(threads),
-        cache_(cache),
-        done_(done),
-        detail_(meshes, nodes, materials, step_m),
-        regions_(make_regions(nodes, step_m)),
-        part_of_(nodes.size()) {
+  CityLighter(const LightInput& input, BakeContext& context)
+      : meshes_(input.meshes),
+        nodes_(input.nodes),
+        sun_(input.sun),
+        step_m_(input.step_m),
+        cache_(input.cache),
+        context_(context),
+        detail_(meshes_, nodes_, input.materials, step_m_),
+        regions_(make_regions(nodes_, step_m_)),
+        part_of_(nodes_.size()) {
     for (std::uint32_t p = 0; p < detail_.parts.size(); ++p) {
       const LightDetail::Part& part = detail_.parts[p];
       part_of_[part.node] = p;
@@ -159,15 +156,15 @@ class CityLighter {
     return hash;
   }
 
-  // Parts that rays from a region's box can meet: none further than this, or all in these directions.
+  // Parts that rays from a region's box can hit: none further than this, or all in these directions.
   [[nodiscard]] std::vector<std::uint32_t> parts_near(const Box& box, float reach_m,
                                                       std::span<const glm::vec3> directions) const {
     const Box near = box.grown(reach_m);
     std::vector<std::uint32_t> out;
     for (std::uint32_t p = 0; p < detail_.parts.size(); ++p) {
       const Box part = {detail_.parts[p].low, detail_.parts[p].high};
-      if (near.meets(part) ||
-          std::ranges::any_of(directions, [&](const glm::vec3& d) { return box.meets_ahead(part, d); }))
+      if (near.touches(part) ||
+          std::ranges::any_of(directions, [&](const glm::vec3& d) { return box.reaches(part, d); }))
         out.push_back(p);
     }
     return out;
@@ -235,7 +232,7 @@ class CityLighter {
                                  .key();
         if (find_light(key, meshes_[n].triangles.size(), out_.zones[n])) {
           ++out_.reused;
-          done_();
+          context_.step();
         } else {
           work.push_back({r, n, key});
         }
@@ -246,7 +243,7 @@ class CityLighter {
       out_.zones[w.node] = bake_zone_light(meshes_[w.node], nodes_[w.node], scene, sun_, step_m_);
       const auto bytes = std::as_bytes(std::span(out_.zones[w.node]));
       cache_.add(w.key, {bytes.begin(), bytes.end()});
-      done_();
+      context_.step();
     });
   }
 
@@ -270,7 +267,7 @@ class CityLighter {
     for (const Work& w : work) ++scenes[w.region].left;
     std::mutex mutex;
     std::optional<Error> failed;
-    for_each_on_threads(work.size(), threads_, [&](std::size_t i) {
+    for_each_on_threads(work.size(), context_.threads(), [&](std::size_t i) {
       SharedScene& shared = scenes.at(work[i].region);
       std::call_once(shared.once, [&] {
         shared.scene.emplace(LightScene::build(*device_, detail_, parts[work[i].region]));
@@ -288,9 +285,8 @@ class CityLighter {
   std::span<const NodeRecord> nodes_;
   const std::optional<SunAngles>& sun_;
   double step_m_;
-  unsigned threads_;
   BakeCache& cache_;
-  const std::function<void()>& done_;
+  BakeContext& context_;
   LightDetail detail_;
   std::vector<Region> regions_;
   std::vector<std::uint32_t> part_of_;  // per node, where it is a detail
@@ -302,10 +298,9 @@ class CityLighter {
 
 }  // namespace
 
-Result<CityLight> light_city(std::span<const ZoneMesh> meshes, std::span<const NodeRecord> nodes,
-                             std::span<const Material> materials, const std::optional<SunAngles>& sun, double step_m,
-                             unsigned threads, BakeCache& cache, const std::function<void()>& done) {
-  return CityLighter(meshes, nodes, materials, sun, step_m, threads, cache, done).run();
+Result<CityLight> light_city(LightInput&& input, BakeContext& context) {
+  context.begin(BakeStage::kLight, input.nodes.size());
+  return CityLighter(input, context).run();
 }
 
 }  // namespace zc

@@ -6,15 +6,25 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "baker/light/zone_light.h"
 #include "baker/scene/bake_cache.h"
+#include "baker/scene/bake_context.h"
 
 namespace zc {
+
+struct LightInput {
+  std::span<const NodeRecord> nodes;
+  std::optional<SunAngles> sun;  // what it reaches is stored too
+  double step_m = 0;
+  BakeCache& cache;
+  // Of the whole city: of a zone, the full detail within the reach of its rays, and what stands towards the suns.
+  std::span<const ZoneMesh> meshes;  // decoded, per node
+  std::span<const Material> materials;
+};
 
 struct CityLight {
   std::vector<std::vector<gpu::TriangleLight>> zones;  // per node, as bake_zone_light
@@ -22,9 +32,7 @@ struct CityLight {
   std::uint64_t built = 0;
 };
 
-// meshes and nodes: of the whole world, decoded; done: after every node, from any thread. Fails when Embree refuses.
-Result<CityLight> light_city(std::span<const ZoneMesh> meshes, std::span<const NodeRecord> nodes,
-                             std::span<const Material> materials, const std::optional<SunAngles>& sun, double step_m,
-                             unsigned threads, BakeCache& cache, const std::function<void()>& done);
+// Fails when Embree does.
+Result<CityLight> light_city(LightInput&& input, BakeContext& context);
 
 }  // namespace zc

@@ -22,12 +22,12 @@ constexpr float kMinBiasM = 2e-3F;
 // Roundings of a coordinate that a ray's start must clear.
 constexpr float kBiasUlps = 8;
 constexpr float kSunDistanceM = 1e6F;
-// Points of a triangle that the sun is looked for from.
+// Points of a triangle that rays to the sun start from.
 constexpr std::array<glm::vec3, 4> kSunPoints = {
     {{1.0F / 3, 1.0F / 3, 1.0F / 3}, {0.7F, 0.15F, 0.15F}, {0.15F, 0.7F, 0.15F}, {0.15F, 0.15F, 0.7F}}};
 
 constexpr double kPieceStepM = 1.0 / 256;
-constexpr double kWasteMost = 30;  // times the surface of the scene's box; cities come to less than a tenth of it
+constexpr double kWasteLimit = 30;  // times the surface of the scene's box; cities come to less than a tenth of it
 constexpr std::size_t kMorePieces = 1U << 19U;
 
 RTCRay make_ray(const glm::vec3& origin, const glm::vec3& direction, float far_m) {
@@ -204,7 +204,7 @@ void LightScene::cut_wasteful() {
     bounds.add(whole.box);
     waste += whole.waste;
   }
-  if (waste <= kWasteMost * half_surface(bounds)) return;
+  if (waste <= kWasteLimit * half_surface(bounds)) return;
   const std::vector<TrianglePiece> pieces =
       pieces_of(count, corners_of, half_surface(bounds) / static_cast<double>(count), count + kMorePieces);
   std::vector<std::uint32_t> whole = std::move(triangles_);

@@ -47,7 +47,7 @@ struct LightDetail {
   std::vector<glm::vec3> albedo;   // per triangle, as everything below
   std::vector<glm::vec3> normal;   // unit
   std::vector<Sunlight> sunlight;  // of each sun, of 127; negative: on the back
-  float bias_m = 0;                // how far from a surface rays start, so that they do not meet it again
+  float bias_m = 0;                // how far from a surface rays start, so that they do not hit it again
 
  private:
   void add(const std::array<glm::vec3, 3>& triangle);  // to the last part
@@ -102,13 +102,13 @@ class LightScene {
   // Mean share of the k-th sun's light that falls on the side that was hit, 0..1.
   [[nodiscard]] float sunlight(const Hit& hit, std::size_t k) const;
   [[nodiscard]] float bias_m() const { return detail_->bias_m; }
-  // Triangles that rays are held against, pieces counted one by one.
+  // Triangles that rays are tested against, pieces counted one by one.
   [[nodiscard]] std::size_t primitives() const { return triangles_.size(); }
 
  private:
   struct Handles;
   explicit LightScene(const LightDetail& detail);
-  // Where triangles lie askew over each other a ray meets most of their boxes: they are cut until it meets few.
+  // Where triangles lie askew over each other a ray hits many of their boxes: they are cut until it hits few.
   void cut_wasteful();
   [[nodiscard]] Hit hit(unsigned primitive, float distance_m, const glm::vec3& direction) const;
 

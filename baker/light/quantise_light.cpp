@@ -10,14 +10,14 @@
 namespace zc {
 namespace {
 
-constexpr std::uint32_t kSkyMost = 6;  // of 255: one ray of the 48 that look for the sky
+constexpr std::uint32_t kSkyLimit = 6;  // of 255: one ray of the 48 towards the sky
 // Red, green and blue by one 31st, the share by one 63rd, the variation by one 64th.
 constexpr std::array<std::uint32_t, 5> kLevelSteps = {1, 2, 1, 1, 4};
 constexpr std::uint32_t kDirectionStep = 1;
 
-void take(std::uint32_t& value, std::uint32_t neighbour, std::uint32_t most) {
+void take(std::uint32_t& value, std::uint32_t neighbour, std::uint32_t limit) {
   const auto change = static_cast<std::int64_t>(value) - static_cast<std::int64_t>(neighbour);
-  if (std::abs(change) <= most) value = neighbour;
+  if (std::abs(change) <= limit) value = neighbour;
 }
 
 // To the middle of its step; what sees all of the sky stays so.
@@ -25,8 +25,8 @@ std::uint32_t quantise_sky(std::uint32_t sky) {
   std::uint32_t out = 0;
   for (unsigned k = 0; k < 3; ++k) {
     const std::uint32_t value = sky >> (8 * k) & 0xFFU;
-    const std::uint32_t step = 2 * kSkyMost + 1;
-    out |= (value >= 255 - kSkyMost ? 255 : std::min((value + kSkyMost) / step * step, 255 / step * step)) << (8 * k);
+    const std::uint32_t step = 2 * kSkyLimit + 1;
+    out |= (value >= 255 - kSkyLimit ? 255 : std::min((value + kSkyLimit) / step * step, 255 / step * step)) << (8 * k);
   }
   return out;
 }

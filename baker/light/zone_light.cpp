@@ -24,12 +24,12 @@ constexpr float kInset = 1.0F / 6;
 // Corners at one point share their samples when their normals are closer than this.
 constexpr float kSmoothCosine = 0.94F;
 constexpr int kBounceRounds = 24;
-// Corners lie where other things begin: of a triangle longer than this, bounced light is looked at all over it.
+// Corners lie where other things begin: of a triangle longer than this, bounced light is sampled all over it.
 constexpr float kBounceSpacingM = 1.5F;
 constexpr int kBounceMaxRows = 4;
 // A surface this close to a proxy is what it stands for, whichever way it faces.
 constexpr float kSameSurfaceM = 0.1F;
-// For the sun, a triangle is looked at so densely, of a coarse proxy half as densely as it is exact: no shadow that is
+// For the sun, a triangle is sampled so densely, of a coarse proxy half as densely as it is exact: no shadow that is
 // wider than this everywhere is overlooked. Where that takes more points than two to the power of kSunMaxHalvings,
 // nothing is said.
 constexpr float kSunSpacingM = 0.4F;
@@ -63,9 +63,9 @@ glm::mat3 frame_of(const glm::vec3& n) {
 
 // What one point receives.
 struct Received {
-  float sky = 0;                              // share of all rays that met nothing
+  float sky = 0;                              // share of all rays that hit nothing
   float hidden = 0;                           // and the rest, which spreads with the bounced light
-  glm::vec3 around{0};                        // sum of the colours met, over all rays
+  glm::vec3 around{0};                        // sum of the colours hit, over all rays
   std::array<glm::vec3, kBounceSuns> sent{};  // of sunlight sent on by them, per sun
 
   void scale(float factor) {
@@ -98,8 +98,8 @@ const std::array<glm::dvec4, kBounceSuns>& fit_rows() {
   return rows;
 }
 
-std::uint32_t quantised(float value, std::uint32_t most) {
-  return static_cast<std::uint32_t>(std::lround(std::clamp(value, 0.0F, 1.0F) * static_cast<float>(most)));
+std::uint32_t quantised(float value, std::uint32_t limit) {
+  return static_cast<std::uint32_t>(std::lround(std::clamp(value, 0.0F, 1.0F) * static_cast<float>(limit)));
 }
 
 // Octahedral, 4 bits each.
@@ -184,12 +184,12 @@ class ZoneLight {
     for (int layer = 0; layer < 4 && left > 0; ++layer) {
       const auto hit = scene_.closest(from, normal, left);
       if (!hit) break;
-      const glm::vec3 met = from + normal * hit->distance_m;
-      const float above = glm::dot(met - p, normal);
+      const glm::vec3 point = from + normal * hit->distance_m;
+      const float above = glm::dot(point - p, normal);
       const bool aligned = std::abs(glm::dot(scene_.normal(hit->triangle), normal)) > 0.5F;
       // Leaving a body, or so near that it can be nothing else.
-      if (aligned && above > 0 && (hit->from_behind || above <= kSameSurfaceM)) surface = met;
-      from = met + normal * scene_.bias_m();
+      if (aligned && above > 0 && (hit->from_behind || above <= kSameSurfaceM)) surface = point;
+      from = point + normal * scene_.bias_m();
       left -= hit->distance_m + scene_.bias_m();
     }
     return surface + normal * scene_.bias_m();
@@ -311,7 +311,7 @@ class ZoneLight {
     for (std::size_t k = 0; k < 3; ++k) light.sky |= quantised(groups_[group_[3 * t + k]].sky, 255) << (8 * k);
     const Received mean = mean_of(t);
     if (mean.hidden > 0) {
-      // Colour of what is met; how bright it is for each sun goes by its strongest channel.
+      // Colour of what is hit; how bright it is for each sun goes by its strongest channel.
       const glm::vec3 around = mean.around / mean.hidden;
       const float strongest = std::max({around.r, around.g, around.b, 1e-4F});
       glm::dvec4 fit(0);
@@ -338,7 +338,7 @@ class ZoneLight {
     [[nodiscard]] bool decided() const { return unseen || (lit && shadow); }
   };
 
-  // Halves a triangle at its longest edge until that is shorter than the spacing, and looks from the middle of each
+  // Halves a triangle at its longest edge until that is shorter than the spacing, and traces from the middle of each
   // part; from the middles of the larger ones as well, for most that are partly lit show it there.
   void look_at_sun(const std::array<glm::vec3, 3>& p, const glm::vec3& normal, int halvings, SunSeen& seen) const {
     (scene_.blocked(start((p[0] + p[1] + p[2]) / 3.0F, normal), *sun_, kSunDistanceM) ? seen.shadow : seen.lit) = true;

@@ -166,7 +166,7 @@ void drop_small_components(LatticeMesh& mesh, double diagonal, std::size_t targe
   std::size_t left = mesh.faces.size();
   for (const std::uint32_t i : candidates(parts, [](const Component& c) { return c.box.diagonal(); })) {
     if (left <= target_faces || parts.list[i].box.diagonal() >= diagonal) break;
-    // What holds most of the triangles is for the decimation: dropping it would fall far below the target.
+    // What contains most of the triangles is for the decimation: dropping it would fall far below the target.
     if (keep[i] || left - parts.list[i].faces < target_faces / 2) continue;
     parts.list[i].drop = true;
     left -= parts.list[i].faces;

@@ -17,7 +17,7 @@
 namespace zc {
 namespace {
 
-constexpr std::size_t kFanFaces = 128;  // around one vertex: every look at a collapse onto it goes round all of them
+constexpr std::size_t kFanFaces = 128;  // around one vertex: every test of a collapse onto it goes round all of them
 
 struct Traits : OpenMesh::DefaultTraits {
   using Point = OpenMesh::Vec3d;

@@ -9,8 +9,8 @@ namespace zc {
 namespace {
 
 // One more whenever simplification, measuring or an entry's form change: what they returned before is stale then.
-constexpr std::uint32_t kVersion = 11;
-constexpr std::uint32_t kStepShiftMost = 14;  // 2^30 steps in 2^16
+constexpr std::uint32_t kVersion = 12;
+constexpr std::uint32_t kStepShiftLimit = 14;  // 2^30 steps in 2^16
 
 void add_place(CacheKeyHasher& hash, const SimplifyContext& context, const Zone& zone) {
   const CellGrid& grid = *context.grid;
@@ -67,7 +67,7 @@ std::optional<std::optional<Proxy>> decode_entry(std::span<const std::byte> byte
   const std::uint64_t vertex_bytes = std::uint64_t{header.vertex_count} * sizeof(LatticePoint);
   if (bytes.size() != vertex_bytes + std::uint64_t{header.face_count} * kFaceBytes) return std::nullopt;
   if (header.stored == 0) return std::optional<Proxy>();
-  if (header.stored > 2 || header.face_count == 0 || header.step_shift > kStepShiftMost) return std::nullopt;
+  if (header.stored > 2 || header.face_count == 0 || header.step_shift > kStepShiftLimit) return std::nullopt;
   // Neither steps nor metres, which are no shorter, go beyond the lattice.
   for (const double number : header.numbers)
     if (!(number >= 0 && number <= 2.0 * kLatticeExtentMax)) return std::nullopt;

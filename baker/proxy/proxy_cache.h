@@ -25,7 +25,7 @@ class ProxyCache {
  public:
   // material_count: proxies that name another material are damaged. Borrows the store.
   ProxyCache(BakeCache& store, std::size_t material_count) : store_(store), material_count_(material_count) {}
-  // Nothing where it is not known; a proxy that holds nothing where simplification found none worth storing.
+  // Nothing where it is not known; a proxy that contains nothing where simplification found none worth storing.
   std::optional<std::optional<Proxy>> find(const CacheKey& key);
   void add(const CacheKey& key, const std::optional<Proxy>& proxy);
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/proxy/proxy_tree.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <memory>
 #include <optional>
+
+#include "baker/proxy/proxy_cache.h"
 
 namespace zc {
 namespace {
@@ -34,7 +34,7 @@ struct Group {
     joint.add(o.box);
     const std::uint32_t shift = step_shift_for_box(joint);
     return proxy_faces + o.proxy_faces <= leaf_triangles &&
-           detail_faces + o.detail_faces <= kDetailMostZones * leaf_triangles && !(textured && o.textured) &&
+           detail_faces + o.detail_faces <= kDetailZonesLimit * leaf_triangles && !(textured && o.textured) &&
            step_shift_for_box(box) == shift && step_shift_for_box(o.box) == shift;
   }
   void take(const Group& o) {
@@ -48,8 +48,8 @@ struct Group {
 
 class Builder {
  public:
-  Builder(ZoneTree&& tree, const SimplifyContext& context, ProxyCache& cache, const std::function<void()>& done)
-      : tree_(std::move(tree)), context_(context), cache_(cache), done_(done), states_(tree_.zones.size()) {}
+  Builder(ZoneTree&& tree, const SimplifyContext& context, ProxyCache& cache, BakeContext& bake)
+      : tree_(std::move(tree)), context_(context), cache_(cache), bake_(bake), states_(tree_.zones.size()) {}
 
   Result<ProxyTree> run() {
     std::uint32_t deepest = 0;
@@ -74,15 +74,10 @@ class Builder {
     std::vector<std::size_t> chosen;
     for (std::size_t i = 0; i < tree_.zones.size(); ++i)
       if (select(i)) chosen.push_back(i);
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, chosen.size(), 1),
-        [&](const auto& range) {
-          for (std::size_t i = range.begin(); i != range.end(); ++i) {
-            build(chosen[i]);
-            done_();
-          }
-        },
-        tbb::simple_partitioner());
+    [[maybe_unused]] const Status done = bake_.for_each(chosen.size(), [&](std::size_t i) -> Status {
+      build(chosen[i]);
+      return {};
+    });
   }
 
   void build_leaf(std::size_t i) {
@@ -225,7 +220,7 @@ class Builder {
     cache_.add(state.key, state.proxy);
   }
 
-  // Refinement never raises the promised error, whatever a cache says.
+  // Refinement never raises the promised error, whatever a cache contains.
   static bool may_stand_above(const std::optional<Proxy>& proxy, std::span<const Proxy* const> children) {
     return !proxy || std::ranges::all_of(children, [&](const Proxy* child) {
       return child->error.max_m <= proxy->error.max_m && child->error.appearance_m <= proxy->error.appearance_m;
@@ -234,15 +229,25 @@ class Builder {
 
   ProxyTree collect() {
     ProxyTree out;
+    std::uint64_t lost_triangles = 0;
+    std::uint64_t coarse_zones = 0;
     for (std::size_t i = 0; i < tree_.zones.size(); ++i) {
       const Proxy& detail = states_[i].detail;
       if (!tree_.zones[i].children.empty()) continue;
-      out.lost_triangles += tree_.zones[i].detail.faces.size() - detail.mesh.faces.size();
-      if (detail.error.max_m > context_.error_m) ++out.coarse_zones;
+      lost_triangles += tree_.zones[i].detail.faces.size() - detail.mesh.faces.size();
+      if (detail.error.max_m > context_.error_m) ++coarse_zones;
     }
-    out.work = work_;
-    out.bounded_zones = static_cast<std::uint64_t>(
+    const auto bounded_zones = static_cast<std::uint64_t>(
         std::ranges::count_if(states_, [](const ZoneState& state) { return state.proxy && state.proxy->is_bounded; }));
+    const auto note = [&](const char* what, std::uint64_t count) {
+      if (count > 0) out.notes.push_back({what, count});
+    };
+    note("triangles without area at their zone's step, dropped", lost_triangles);
+    note("zones too wide for the error bound, at full detail too", coarse_zones);
+    note("zones whose simplification ended at its bound of work", bounded_zones);
+    out.reused = cache_.found();
+    out.built = cache_.added();
+    out.work = work_;
     std::vector<std::uint32_t> zone_of = {0};
     out.nodes.push_back(make_node(0, -1));
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {
@@ -272,7 +277,7 @@ class Builder {
       for (const std::uint32_t child : state.below) below += states_[child].proxy->mesh.faces.size();
       out.left_out_triangles += static_cast<std::uint64_t>(kStoredAtMost * static_cast<double>(below));
     }
-    // Moved last: children were looked at through their zones until here.
+    // Moved last: until here, children are read through their zones.
     for (std::size_t i = 0; i < out.nodes.size(); ++i)
       if (!out.nodes[i].is_detail) out.nodes[i].proxy = std::move(*states_[zone_of[i]].proxy);
     return out;
@@ -290,19 +295,21 @@ class Builder {
   ZoneTree tree_;
   const SimplifyContext& context_;
   ProxyCache& cache_;
-  const std::function<void()>& done_;
+  BakeContext& bake_;
   std::vector<ZoneState> states_;
   std::atomic<std::uint64_t> work_ = 0;
 };
 
 }  // namespace
 
-Result<ProxyTree> build_proxies(ZoneTree&& tree, const SimplifyContext& context, ProxyCache& cache,
-                                const std::function<void()>& done) {
-  SimplifyContext own = context;
-  const CellGrid grid = tree.grid;
-  own.grid = &grid;
-  return Builder(std::move(tree), own, cache, done).run();
+Result<ProxyTree> build_proxies(ProxyInput&& input, BakeContext& context) {
+  context.begin(BakeStage::kSimplify, input.tree.zones.size());
+  const std::vector<std::uint16_t> appearances = appearance_classes(input.materials);
+  const CellGrid grid = input.tree.grid;
+  const SimplifyContext simplify = {&grid,         input.materials,      appearances,  input.step_m,
+                                    input.error_m, input.leaf_triangles, input.atlases};
+  ProxyCache cache(input.cache, input.materials.size());
+  return Builder(std::move(input.tree), simplify, cache, context).run();
 }
 
 }  // namespace zc

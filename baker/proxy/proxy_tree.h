@@ -4,13 +4,13 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
 #include "baker/cut/cut.h"
-#include "baker/proxy/proxy_cache.h"
 #include "baker/proxy/simplify.h"
+#include "baker/scene/bake_cache.h"
+#include "baker/scene/bake_context.h"
 #include "base/result.h"
 
 namespace zc {
@@ -26,19 +26,28 @@ struct ProxyNode {
   Proxy proxy;
 };
 
+struct ProxyInput {
+  ZoneTree tree;
+  double step_m = 0;
+  double error_m = 0;  // bound of leaf proxies
+  std::uint32_t leaf_triangles = 0;
+  bool atlases = false;  // textured zones have one
+  BakeCache& cache;      // proxies that it has are taken from it, others are added
+  // Of the whole city:
+  std::span<const Material> materials;
+};
+
 struct ProxyTree {
   std::vector<ProxyNode> nodes;
-  std::uint64_t coarse_zones = 0;        // leaves whose rounding alone moves points by more than the error bound
-  std::uint64_t lost_triangles = 0;      // of the details, in the rounding to their zones' steps
-  std::uint64_t bounded_zones = 0;       // whose simplification ended at its bound of work
-  std::uint64_t work = 0;                // boxes and triangles looked at
+  std::vector<ImportCount> notes;
+  std::uint64_t reused = 0;              // proxies that the cache had
+  std::uint64_t built = 0;               // the others
+  std::uint64_t work = 0;                // boxes and triangles visited for these
   std::uint64_t left_out = 0;            // inner zones whose proxy saves too little
   std::uint64_t left_out_triangles = 0;  // that these would have at least
 };
 
-// `done` is called once per zone, from any thread. Fails when nothing survives.
-// What the cache knows is taken from it, what it does not is added.
-Result<ProxyTree> build_proxies(ZoneTree&& tree, const SimplifyContext& context, ProxyCache& cache,
-                                const std::function<void()>& done);
+// Fails when no triangle survives.
+Result<ProxyTree> build_proxies(ProxyInput&& input, BakeContext& context);
 
 }  // namespace zc

@@ -158,8 +158,8 @@ std::optional<Proxy> simplify_inner(const SimplifyContext& context, const Zone& 
   const double small = std::min(context.leaf_triangles / 4.0, kInnerTargetSmall * static_cast<double>(sum));
   const double share = std::max(kInnerTarget * static_cast<double>(sum), small);
   // The root is only ever a stand-in, but always resident: it decides the smallest cap that works.
-  const std::size_t most = is_root ? std::max(1U, context.leaf_triangles / 4) : context.leaf_triangles;
-  const std::size_t target = std::max<std::size_t>(1, std::min(most, static_cast<std::size_t>(share)));
+  const std::size_t limit = is_root ? std::max(1U, context.leaf_triangles / 4) : context.leaf_triangles;
+  const std::size_t target = std::max<std::size_t>(1, std::min(limit, static_cast<std::size_t>(share)));
   out.step_shift = step_shift_for_box(bounds_of(out.mesh));
   round_to_step(out.mesh, out.step_shift);
   const LatticeMesh before = out.mesh;

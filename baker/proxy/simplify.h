@@ -17,7 +17,7 @@ struct Proxy {
   std::uint32_t step_shift = 0;
   SurfaceError error;
   double tolerance = 0;     // steps; what the simplification was allowed at the end
-  std::uint64_t work = 0;   // boxes and triangles looked at for it; none where it comes from a cache
+  std::uint64_t work = 0;   // boxes and triangles visited for it; none where it comes from a cache
   bool is_bounded = false;  // it took all the work that it may: with more, triangles or stored distances would be fewer
 };
 

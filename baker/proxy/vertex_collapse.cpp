@@ -7,16 +7,17 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <queue>
 
 #include "baker/distance/hausdorff_bound.h"
+#include "baker/proxy/collapse_reference.h"
 #include "baker/proxy/quadric.h"
 #include "base/check.h"
 
 namespace zc {
 namespace {
 
-constexpr double kSamplesPerFace = 4;   // of those in faces and on edges, on average
 constexpr double kBorderWeight = 0.1;   // of a border edge's square, against areas
 constexpr double kLengthWeight = 1e-3;  // of a collapse's squared length: settles what costs nothing else
 constexpr double kLeastArea = 0.25;     // squared length of a cross product: half a square step is the least there is
@@ -27,60 +28,23 @@ constexpr double kStarNear = 0.1;        // of the tolerance
 constexpr double kStarMargin = 0.02;     // of that
 constexpr std::size_t kStarFaces = 512;  // what has more around it is not worth the time
 constexpr std::size_t kFewTargets = 32;
-constexpr std::size_t kStarWork = 50000;       // nor is what takes more distances, with more faces than a few
-constexpr double kMargin = 0.5;                // of the tolerance
-constexpr double kLeastPiece = 0.03;           // of the tolerance
-constexpr double kSampleTolerance = 0.97;      // of the tolerance: a piece around a sample is then within it
-constexpr double kAppearanceTolerance = 0.25;  // of the tolerance: narrower stripes may take the appearance beside them
-constexpr double kNear = 0.01;                 // of the tolerance: no need to look for what is nearer still
-constexpr double kWide = 1;                    // tolerances
+constexpr std::size_t kStarWork = 50000;   // nor is what takes more distances, with more faces than a few
+constexpr double kMargin = 0.5;            // of the tolerance
+constexpr double kLeastPiece = 0.03;       // of the tolerance
+constexpr double kSampleTolerance = 0.97;  // of the tolerance: a piece around a sample is then within it
+constexpr double kNear = 0.01;             // of the tolerance: no search for what is nearer still
 constexpr int kRounds = 6;
 constexpr std::uint64_t kFaceVisitsPerWork =
-    8;  // looks at a face of a list are so many times cheaper than at one of a tree
+    8;  // visits of a face of a list are so many times cheaper than of one of a tree
 // Twice what the zones of the cities that we know take at most: seven million with 635 faces, ten with 2,968.
 constexpr std::uint64_t kLeastWork = 16'000'000;
 constexpr std::uint64_t kWorkPerFace = 8'000;
 
 using Face = std::uint32_t;
 using Vertex = std::uint32_t;
+using Sample = CollapseReference::Sample;
 
-struct Sample {
-  glm::dvec3 point;
-  std::uint64_t appearances = 0;  // that it may be given: those of the reference nearby
-  Face face = 0;                  // of the reference
-};
-
-struct Edge {
-  Vertex low, high;
-  Face face;
-};
-
-std::vector<Edge> sorted_edges(const LatticeMesh& mesh) {
-  std::vector<Edge> edges;
-  edges.reserve(3 * mesh.faces.size());
-  for (Face f = 0; f < mesh.faces.size(); ++f) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vertex a = mesh.faces[f].v[i];
-      const Vertex b = mesh.faces[f].v[(i + 1) % 3];
-      edges.push_back({std::min(a, b), std::max(a, b), f});
-    }
-  }
-  std::ranges::sort(edges, [](const Edge& a, const Edge& b) {
-    return std::array{a.low, a.high, a.face} < std::array{b.low, b.high, b.face};
-  });
-  return edges;
-}
-
-// Calls visit(edges of one pair of vertices).
-template <class Visit>
-void for_each_edge(const std::vector<Edge>& edges, const Visit& visit) {
-  for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-    while (end < edges.size() && edges[end].low == edges[begin].low && edges[end].high == edges[begin].high) ++end;
-    visit(std::span(edges).subspan(begin, end - begin));
-  }
-}
-
-bool holds(const std::array<Vertex, 3>& v, Vertex x) { return v[0] == x || v[1] == x || v[2] == x; }
+bool has_vertex(const std::array<Vertex, 3>& v, Vertex x) { return v[0] == x || v[1] == x || v[2] == x; }
 
 std::array<Vertex, 3> replaced(std::array<Vertex, 3> v, Vertex from, Vertex to) {
   for (Vertex& x : v)
@@ -89,7 +53,7 @@ std::array<Vertex, 3> replaced(std::array<Vertex, 3> v, Vertex from, Vertex to) 
 }
 
 bool same_vertices(const std::array<Vertex, 3>& a, const std::array<Vertex, 3>& b) {
-  return holds(a, b[0]) && holds(a, b[1]) && holds(a, b[2]);
+  return has_vertex(a, b[0]) && has_vertex(a, b[1]) && has_vertex(a, b[2]);
 }
 
 DistanceTriangle triangle_of(const Corners& c) {
@@ -101,99 +65,11 @@ DistanceTriangle triangle_of(const Corners& c) {
   return t;
 }
 
-double narrowest(const Corners& c) {
-  const double area = glm::length(glm::cross(c[1] - c[0], c[2] - c[0]));
-  const double longest = std::max({glm::distance(c[0], c[1]), glm::distance(c[1], c[2]), glm::distance(c[2], c[0])});
-  return longest > 0 ? area / longest : 0;
-}
-
-// What stays the same while vertices collapse: the input, a tree over it, its samples.
-class Reference {
- public:
-  Reference(const LatticeMesh& mesh, std::span<const std::uint16_t> appearances, double tolerance, Work& work)
-      : work_(work),
-        mesh_(mesh),
-        appearances_(appearances),
-        bvh_(mesh, appearances),
-        tolerance_(tolerance),
-        edges_(sorted_edges(mesh)) {
-    double area = 0;
-    for (const LatticeFace& face : mesh.faces) area += face_area(mesh, face);
-    LatticeMesh wide;
-    wide.vertices = mesh.vertices;
-    std::ranges::copy_if(mesh.faces, std::back_inserter(wide.faces), [&](const LatticeFace& face) {
-      return narrowest(corners_of(mesh, face)) > kWide * tolerance;
-    });
-    wide_ = DistanceBvh(wide);
-    const double spacing =
-        std::max(2 * tolerance, std::sqrt(area / (kSamplesPerFace * static_cast<double>(mesh.faces.size()))));
-    std::vector<bool> seen(mesh.vertices.size(), false);
-    for (Face f = 0; f < mesh.faces.size(); ++f) {
-      const Corners c = corners_of(mesh, mesh.faces[f]);
-      for (std::size_t i = 0; i < 3; ++i) {
-        if (!seen[mesh.faces[f].v[i]]) add_sample(c[i], f);
-        seen[mesh.faces[f].v[i]] = true;
-      }
-      add_sample((c[0] + c[1] + c[2]) / 3.0, f);
-      // The R2 sequence (Roberts 2018) keeps samples apart.
-      const double count = face_area(mesh, mesh.faces[f]) / (spacing * spacing);
-      for (double n = 1; n <= count; ++n) {
-        double u = 0.5 + n * 0.7548776662466927;
-        double v = 0.5 + n * 0.5698402909980532;
-        u -= std::floor(u);
-        v -= std::floor(v);
-        if (u + v > 1) {
-          u = 1 - u;
-          v = 1 - v;
-        }
-        add_sample(c[0] + (c[1] - c[0]) * u + (c[2] - c[0]) * v, f);
-      }
-    }
-    // Fans of long triangles have far more of edges than of area.
-    double length = 0;
-    for_each_edge(
-        edges_, [&](std::span<const Edge> edge) { length += glm::distance(point(edge[0].low), point(edge[0].high)); });
-    const double along = std::max(spacing, length / (kSamplesPerFace * static_cast<double>(mesh.faces.size())));
-    for_each_edge(edges_, [&](std::span<const Edge> edge) {
-      const glm::dvec3 a = point(edge[0].low);
-      const glm::dvec3 ab = point(edge[0].high) - a;
-      const auto n = static_cast<int>(glm::length(ab) / along);
-      for (int i = 1; i <= n; ++i) add_sample(a + ab * (double(i) / (n + 1)), edge[0].face);
-    });
-  }
-
-  void add_sample(const glm::dvec3& p, Face face) {
-    samples_.push_back(
-        {p, bvh_.appearances_within(p, kAppearanceTolerance * tolerance_, appearance_bit(appearance(face)), &work_),
-         face});
-  }
-
-  [[nodiscard]] const LatticeMesh& mesh() const { return mesh_; }
-  [[nodiscard]] const DistanceBvh& bvh() const { return bvh_; }
-  [[nodiscard]] const std::vector<Edge>& edges() const { return edges_; }
-  [[nodiscard]] const std::vector<Sample>& samples() const { return samples_; }
-  [[nodiscard]] double tolerance() const { return tolerance_; }
-  [[nodiscard]] bool is_at_wide_faces(const glm::dvec3& p) const {
-    return wide_.closest_of_appearance(p, 0, 2 * tolerance_, 0, &work_) <= tolerance_;
-  }
-  [[nodiscard]] std::uint16_t appearance(Face f) const { return appearances_[mesh_.faces[f].material]; }
-  [[nodiscard]] glm::dvec3 point(Vertex v) const { return to_dvec(mesh_.vertices[v]); }
-
- private:
-  Work& work_;
-  const LatticeMesh& mesh_;
-  std::span<const std::uint16_t> appearances_;
-  DistanceBvh bvh_;
-  DistanceBvh wide_;  // of faces that are no part of a bar
-  double tolerance_;
-  std::vector<Edge> edges_;
-  std::vector<Sample> samples_;
-};
-
 // One run over all vertices, the cheapest collapse first.
 class Collapser {
  public:
-  Collapser(const Reference& reference, const std::vector<bool>& locked, const CollapseOptions& options, Work& work)
+  Collapser(const CollapseReference& reference, const std::vector<bool>& locked, const CollapseOptions& options,
+            Work& work)
       : work_(work),
         reference_(reference),
         options_(options),
@@ -219,7 +95,7 @@ class Collapser {
         vertices_[v].quadric.add_plane(face.normal, c[0] - origin_, length / 6);
       }
     }
-    for_each_edge(reference.edges(), [&](std::span<const Edge> edge) { hold_border(edge); });
+    for_each_edge(reference.edges(), [&](std::span<const FaceEdge> edge) { hold_border(edge); });
     for (std::uint32_t s = 0; s < reference.samples().size(); ++s)
       faces_[reference.samples()[s].face].samples.push_back(s);
   }
@@ -280,13 +156,14 @@ class Collapser {
   }
 
   // Open edges and edges between appearances keep their course.
-  void hold_border(std::span<const Edge> edge) {
+  void hold_border(std::span<const FaceEdge> edge) {
     bool border = edge.size() == 1;
-    for (const Edge& e : edge) border = border || reference_.appearance(e.face) != reference_.appearance(edge[0].face);
+    for (const FaceEdge& e : edge)
+      border = border || reference_.appearance(e.face) != reference_.appearance(edge[0].face);
     if (!border) return;
     const glm::dvec3 a = vertices_[edge[0].low].point;
     const glm::dvec3 ab = vertices_[edge[0].high].point - a;
-    for (const Edge& e : edge) {
+    for (const FaceEdge& e : edge) {
       const glm::dvec3 across = glm::normalize(glm::cross(faces_[e.face].normal, ab));
       Quadric quadric;
       quadric.add_plane(across, a - origin_, kBorderWeight * glm::dot(ab, ab));
@@ -313,7 +190,7 @@ class Collapser {
     work_.done += from.faces.size();
   }
 
-  // Sorts u's faces into those that vanish and those that move, and says whether the latter may.
+  // Sorts u's faces into those that vanish and those that move, and returns whether the latter may.
   bool sort_faces(Vertex u, Vertex v) {
     vanishing_.clear();
     moving_.clear();
@@ -321,7 +198,7 @@ class Collapser {
     for (const Face f : vertices_[u].faces) {
       const FaceState& face = faces_[f];
       work_.done += 1 + (vertices_[v].faces.size() + moving_.size()) / kFaceVisitsPerWork;
-      if (holds(face.v, v)) {
+      if (has_vertex(face.v, v)) {
         vanishing_.push_back(f);
         continue;
       }
@@ -346,7 +223,7 @@ class Collapser {
   [[nodiscard]] int faces_at(Vertex a, Vertex b) const {
     int count = 0;
     work_.done += 1 + vertices_[a].faces.size() / kFaceVisitsPerWork;
-    for (const Face f : vertices_[a].faces) count += holds(faces_[f].v, b) ? 1 : 0;
+    for (const Face f : vertices_[a].faces) count += has_vertex(faces_[f].v, b) ? 1 : 0;
     return count;
   }
 
@@ -371,11 +248,11 @@ class Collapser {
         if (w == u || w == v) continue;
         int after = 0;  // of the edge v, w
         work_.done += 1 + (vertices_[v].faces.size() + moving_.size()) / kFaceVisitsPerWork;
-        for (const Face g : vertices_[v].faces) after += holds(faces_[g].v, w) && !vanishes(g) ? 1 : 0;
-        for (const Face g : moving_) after += holds(faces_[g].v, w) ? 1 : 0;
+        for (const Face g : vertices_[v].faces) after += has_vertex(faces_[g].v, w) && !vanishes(g) ? 1 : 0;
+        for (const Face g : moving_) after += has_vertex(faces_[g].v, w) ? 1 : 0;
         if (!stays(v, w, faces_at(u, w), faces_at(v, w), after)) return false;
       }
-      if (holds(faces_[f].v, v)) continue;
+      if (has_vertex(faces_[f].v, v)) continue;
       // A twin: its edge across u loses a face.
       std::array<Vertex, 2> across = {};
       std::size_t n = 0;
@@ -383,7 +260,8 @@ class Collapser {
         if (w != u) across[n++] = w;
       int after = 0;
       work_.done += 1 + vertices_[across[0]].faces.size() / kFaceVisitsPerWork;
-      for (const Face g : vertices_[across[0]].faces) after += holds(faces_[g].v, across[1]) && !vanishes(g) ? 1 : 0;
+      for (const Face g : vertices_[across[0]].faces)
+        after += has_vertex(faces_[g].v, across[1]) && !vanishes(g) ? 1 : 0;
       const int before = faces_at(across[0], across[1]);
       if (!stays(across[0], across[1], before, before, after)) return false;
     }
@@ -396,8 +274,7 @@ class Collapser {
     const double limit = kSampleTolerance * options_.tolerance;
     targets_.clear();
     const auto add_target = [&](Face f) {
-      targets_.push_back(
-          {f, triangle_of(corners(replaced(faces_[f].v, u, v))), appearance_bit(reference_.appearance(f))});
+      targets_.push_back({f, triangle_of(corners(replaced(faces_[f].v, u, v))), reference_.appearance(f)});
     };
     for (const Face f : moving_) add_target(f);
     for (const Face f : vertices_[v].faces)
@@ -411,7 +288,7 @@ class Collapser {
         double best = std::numeric_limits<double>::infinity();
         Face face = 0;
         for (const TargetFace& target : targets_) {
-          if ((sample.appearances & target.appearance) == 0) continue;
+          if (!sample.appearances.has(target.appearance)) continue;
           const double distance = target.triangle.distance(sample.point);
           ++work_.done;
           if (distance < best) {
@@ -472,7 +349,7 @@ class Collapser {
 
   [[nodiscard]] HausdorffBound bound_to_reference(Face f, const Corners& moved) const {
     const double tolerance = options_.tolerance;
-    const std::uint64_t appearance = appearance_bit(reference_.appearance(f));
+    const std::uint16_t appearance = reference_.appearance(f);
     return hausdorff_bound(moved, {tolerance, kMargin * tolerance, kLeastPiece * tolerance, kBoundPieces, true, &work_},
                            [&](const glm::dvec3& p, double& distance) {
                              const DistanceTriangle* found = nullptr;
@@ -521,11 +398,11 @@ class Collapser {
   struct TargetFace {
     Face face = 0;
     DistanceTriangle triangle;
-    std::uint64_t appearance = 0;
+    std::uint16_t appearance = 0;
   };
 
   Work& work_;
-  const Reference& reference_;
+  const CollapseReference& reference_;
   CollapseOptions options_;
   const std::vector<bool>& locked_;
   double min_cos_;
@@ -534,7 +411,7 @@ class Collapser {
   std::vector<VertexState> vertices_;
   std::size_t left_;
   std::priority_queue<Candidate> queue_;
-  // Of the collapse that is looked at.
+  // Of the collapse that is tried.
   std::vector<Vertex> neighbours_;
   std::vector<Face> vanishing_;
   std::vector<Face> moving_;
@@ -545,7 +422,8 @@ class Collapser {
 };
 
 // Adds samples where the reference is not within the tolerance of `result`; false: there are none.
-bool add_samples_outside(Reference& reference, const Collapser& collapser, const LatticeMesh& result, Work& work) {
+bool add_samples_outside(CollapseReference& reference, const Collapser& collapser, const LatticeMesh& result,
+                         Work& work) {
   const DistanceBvh bvh(result);
   const double tolerance = reference.tolerance();
   const HausdorffLimits limits = {tolerance, kMargin * tolerance, kLeastPiece * tolerance, kCheckPieces, false, &work};
@@ -555,7 +433,7 @@ bool add_samples_outside(Reference& reference, const Collapser& collapser, const
     const HausdorffBound found = hausdorff_bound(
         corners_of(reference.mesh(), reference.mesh().faces[f]), limits, [&](const glm::dvec3& p, double& distance) {
           const DistanceTriangle* triangle = nullptr;
-          bvh.nearest(p, kEveryAppearance, kNear * tolerance, triangle, distance, &work);
+          bvh.nearest(p, std::nullopt, kNear * tolerance, triangle, distance, &work);
           return triangle;
         });
     if (found.within) continue;
@@ -571,17 +449,17 @@ Collapsed collapse_vertices(const LatticeMesh& mesh, const std::vector<bool>& lo
                             std::span<const std::uint16_t> appearances, const CollapseOptions& options) {
   ZC_CHECK(locked.size() == mesh.vertices.size());
   if (mesh.faces.empty()) return {mesh, {}};
-  const std::uint64_t most = kLeastWork + kWorkPerFace * mesh.faces.size();
-  Work work{most};
+  const std::uint64_t limit = kLeastWork + kWorkPerFace * mesh.faces.size();
+  Work work{limit};
   bool was_spent = false;
-  Reference reference(mesh, appearances, options.tolerance, work);
+  CollapseReference reference(mesh, appearances, options.tolerance, work);
   for (int round = 0; round < kRounds && !work.is_spent(); ++round) {
     // A quarter of what is left is for the check.
-    work.limit = most - (most - work.done) / 4;
+    work.limit = limit - (limit - work.done) / 4;
     Collapser collapser(reference, locked, options, work);
     Collapsed out = {collapser.run(), {}};
     was_spent = was_spent || work.is_spent();
-    work.limit = most;
+    work.limit = limit;
     if (!add_samples_outside(reference, collapser, out.mesh, work)) {
       clean(out.mesh);
       out.work = work;

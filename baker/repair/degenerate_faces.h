@@ -11,7 +11,7 @@ namespace zc {
 struct DegenerateFaceCounts {
   std::uint64_t flat = 0;
   std::uint64_t repeated = 0;
-  std::uint64_t back_to_back = 0;  // turned copies in one object: rays meet either side of what stays
+  std::uint64_t back_to_back = 0;  // turned copies in one object: rays hit either side of what stays
 };
 
 // Of equal faces the first stays. Turned copies that belong to two objects both stay.

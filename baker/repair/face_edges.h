@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The edges of a triangle soup, each with the faces that meet there. Thread-safe: no state. Deterministic.
+// The edges of a triangle soup, each with the faces that share it. Thread-safe: no state. Deterministic.
 #pragma once
 
 #include <cstdint>

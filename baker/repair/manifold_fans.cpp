@@ -55,14 +55,14 @@ ManifoldFans split_into_fans(const LatticeMesh& mesh) {
   return out;
 }
 
-void cut_wide_fans(LatticeMesh& mesh, std::size_t most, std::vector<bool>& locked) {
+void cut_wide_fans(LatticeMesh& mesh, std::size_t limit, std::vector<bool>& locked) {
   std::vector<std::size_t> count(mesh.vertices.size());
   for (const LatticeFace& face : mesh.faces)
     for (const std::uint32_t v : face.v) ++count[v];
   std::map<std::uint32_t, std::vector<std::uint32_t>> wide;  // faces by vertex
   for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
     for (const std::uint32_t v : mesh.faces[f].v)
-      if (count[v] > most) wide[v].push_back(f);
+      if (count[v] > limit) wide[v].push_back(f);
 
   for (const auto& [hub, faces] : wide) {
     std::map<std::uint32_t, std::vector<std::uint32_t>> spokes;  // faces by the edge's other vertex
@@ -76,7 +76,7 @@ void cut_wide_fans(LatticeMesh& mesh, std::size_t most, std::vector<bool>& locke
       while (!next.empty()) {
         const std::uint32_t f = next.back();
         next.pop_back();
-        if (!sector.emplace(f, sector.size() / most).second) continue;
+        if (!sector.emplace(f, sector.size() / limit).second) continue;
         for (const std::uint32_t v : mesh.faces[f].v)
           if (v != hub && passed.insert(v).second) next.insert(next.end(), spokes[v].begin(), spokes[v].end());
       }
@@ -86,7 +86,7 @@ void cut_wide_fans(LatticeMesh& mesh, std::size_t most, std::vector<bool>& locke
         if (sector[f] != sector[around.front()]) locked[v] = true;
     locked[hub] = true;
     const auto copies = static_cast<std::uint32_t>(mesh.vertices.size());
-    const std::size_t sectors = (faces.size() + most - 1) / most;
+    const std::size_t sectors = (faces.size() + limit - 1) / limit;
     mesh.vertices.insert(mesh.vertices.end(), sectors - 1, LatticePoint(mesh.vertices[hub]));
     locked.resize(mesh.vertices.size(), true);
     for (const auto& [f, s] : sector)

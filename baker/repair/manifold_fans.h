@@ -19,7 +19,7 @@ struct ManifoldFans {
 ManifoldFans split_into_fans(const LatticeMesh& mesh);
 
 // Cuts what has more than `most` faces around one vertex into sectors of at most so many, each with a copy of that
-// vertex behind the others. locked: per vertex, grows with them; set where sectors meet, so that nothing gapes.
-void cut_wide_fans(LatticeMesh& mesh, std::size_t most, std::vector<bool>& locked);
+// vertex behind the others. locked: per vertex, grows with them; set where sectors touch, so that nothing gapes.
+void cut_wide_fans(LatticeMesh& mesh, std::size_t limit, std::vector<bool>& locked);
 
 }  // namespace zc

@@ -42,7 +42,7 @@ PointTree::PointTree(const std::vector<LatticePoint>& points, std::vector<std::u
   }
 }
 
-bool PointTree::meets(const LatticeBox& box, const LatticePoint& a, const LatticePoint& b) {
+bool PointTree::intersects(const LatticeBox& box, const LatticePoint& a, const LatticePoint& b) {
   double enter = 0;
   double leave = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {

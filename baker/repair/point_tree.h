@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A k-d tree of lattice points that finds those along a segment. (CGAL's Kd_tree answers boxes and balls; the box of a
-// long diagonal edge holds half a city.) Units: steps. Thread-safe once built. Deterministic.
+// long diagonal edge contains half a city.) Units: steps. Thread-safe once built. Deterministic.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ class PointTree {
     while (!stack.empty()) {
       const Node& node = nodes_[stack.back()];
       stack.pop_back();
-      if (!meets(node.box, a, b)) continue;
+      if (!intersects(node.box, a, b)) continue;
       if (node.left != 0) {
         stack.push_back(node.left + 1);
         stack.push_back(node.left);
@@ -43,7 +43,7 @@ class PointTree {
   };
 
   // Conservative: the box grown by a step.
-  static bool meets(const LatticeBox& box, const LatticePoint& a, const LatticePoint& b);
+  static bool intersects(const LatticeBox& box, const LatticePoint& a, const LatticePoint& b);
 
   std::vector<std::uint32_t> indices_;
   std::vector<Node> nodes_;

@@ -4,7 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "baker/repair/degenerate_faces.h"
 #include "baker/repair/face_edges.h"
@@ -142,7 +142,10 @@ DegenerateFaceCounts drop_shared(SnappedScene& scene) {
 
 }  // namespace
 
-Result<RepairReport> repair_scene(SnappedScene& scene) {
+Result<RepairedScene> repair_scene(SnappedScene&& input, BakeContext& context) {
+  context.begin(BakeStage::kRepair);
+  RepairedScene out = {std::move(input), {}};
+  SnappedScene& scene = out.scene;
   const std::vector<std::vector<std::uint32_t>> groups = group_objects(scene.objects);
   std::vector<MeshPart> parts(groups.size());
   std::vector<Counts> part_counts(groups.size());
@@ -158,7 +161,7 @@ Result<RepairReport> repair_scene(SnappedScene& scene) {
   if (scene.mesh.faces.empty())
     return Error{ErrorCode::kFormat, "no triangle of the scene has an area at the lattice step"};
 
-  RepairReport report;
+  RepairReport& report = out.report;
   const auto note = [&](const char* what, std::uint64_t count) {
     if (count > 0) report.counts.push_back({what, count});
   };
@@ -173,9 +176,9 @@ Result<RepairReport> repair_scene(SnappedScene& scene) {
   note("surfaces with one side only, like a Moebius strip", counts.orient.one_sided_parts);
   note("objects left without triangles", emptied);
   report.open_edges = counts.open_edges;
-  report.border_error_m = std::max({counts.stitch.moved, counts.slivers.moved, counts.t_junctions.moved}) *
-                          std::ldexp(1.0, scene.step_log2);
-  return report;
+  report.border_error_m =
+      std::max({counts.stitch.moved, counts.slivers.moved, counts.t_junctions.moved}) * scene.lattice.step_m();
+  return out;
 }
 
 }  // namespace zc

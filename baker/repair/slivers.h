@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Drops faces thinner than half a step: a corner lies on the opposite side, so that what meets its sides can meet
-// without it. Only where another face holds that side, or both others: no line vanishes. Units: steps.
+// Drops faces thinner than half a step: a corner lies on the opposite side, so that what touches its sides can touch
+// without it. Only where another face contains that side, or both others: no line vanishes. Units: steps.
 // Thread-safe: no state.
 #pragma once
 

@@ -8,7 +8,7 @@
 namespace zc {
 namespace {
 
-// Doubles hold every integer below this exactly.
+// Every integer below this is a double.
 constexpr double kExactLimit = 4503599627370496.0;  // 2^52
 
 Status check_references(const Scene& scene) {
@@ -34,39 +34,50 @@ Status check_references(const Scene& scene) {
   return {};
 }
 
+Error beyond_lattice(double p) {
+  return {ErrorCode::kFormat, "a coordinate of " + std::to_string(p) + " m is beyond the lattice"};
+}
+
 }  // namespace
 
-Result<SnappedScene> snap_scene(Scene&& scene, std::int32_t step_log2) {
+Result<WorldLattice> fit_lattice(const Scene& scene, std::int32_t step_log2) {
   if (step_log2 < -16 || step_log2 > 0)
     return Error{ErrorCode::kArgument, "the lattice step must be 2^-16 to 1 metre, got 2^" + std::to_string(step_log2)};
   ZC_TRY(check_references(scene));
   const double steps_per_m = std::ldexp(1.0, -step_log2);
-
   glm::dvec3 low(std::numeric_limits<double>::infinity());
   glm::dvec3 high(-std::numeric_limits<double>::infinity());
   for (const auto& triangle : scene.triangles) {
     for (const std::uint32_t v : triangle) {
       const glm::dvec3& p = scene.positions[v];
       for (int axis = 0; axis < 3; ++axis) {
-        if (!(std::abs(p[axis]) * steps_per_m < kExactLimit))
-          return Error{ErrorCode::kFormat, "a coordinate of " + std::to_string(p[axis]) + " m is beyond the lattice"};
+        if (!(std::abs(p[axis]) * steps_per_m < kExactLimit)) return beyond_lattice(p[axis]);
         low[axis] = std::min(low[axis], p[axis]);
         high[axis] = std::max(high[axis], p[axis]);
       }
     }
   }
-  SnappedScene out;
-  out.step_log2 = step_log2;
+  WorldLattice lattice;
+  lattice.step_log2 = step_log2;
   for (int axis = 0; axis < 3; ++axis) {
     const double metres = std::floor(low[axis]);
-    out.anchor[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(metres * steps_per_m);
+    lattice.anchor[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(metres * steps_per_m);
     if ((high[axis] - metres) * steps_per_m >= static_cast<double>(kLatticeExtentMax - 1)) {
       return Error{ErrorCode::kUnsupported,
                    "the scene is " + std::to_string(high[axis] - low[axis]) + " m wide along " + "xyz"[axis] +
-                       ", more than the lattice holds at steps of 2^" + std::to_string(step_log2) + " m"};
+                       ", wider than the lattice at steps of 2^" + std::to_string(step_log2) + " m"};
     }
   }
+  return lattice;
+}
 
+Result<SnappedScene> snap_scene(SnapInput&& input, BakeContext& context) {
+  context.begin(BakeStage::kSnap);
+  Scene& scene = input.scene;
+  ZC_TRY(check_references(scene));
+  SnappedScene out;
+  out.lattice = input.lattice;
+  const double steps_per_m = std::ldexp(1.0, -out.lattice.step_log2);
   out.mesh.vertices.resize(scene.positions.size());
   std::vector<bool> used(scene.positions.size(), false);
   out.mesh.faces.reserve(scene.triangles.size());
@@ -81,7 +92,10 @@ Result<SnappedScene> snap_scene(Scene&& scene, std::int32_t step_log2) {
     if (!used[i]) continue;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double p = scene.positions[i][static_cast<int>(axis)];
-      out.mesh.vertices[i][axis] = static_cast<std::int32_t>(std::llround(p * steps_per_m) - out.anchor[axis]);
+      if (!(std::abs(p) * steps_per_m < kExactLimit)) return beyond_lattice(p);
+      const std::int64_t steps = std::llround(p * steps_per_m) - out.lattice.anchor[axis];
+      if (steps < 0 || steps >= kLatticeExtentMax) return beyond_lattice(p);
+      out.mesh.vertices[i][axis] = static_cast<std::int32_t>(steps);
     }
   }
   weld(out.mesh);

@@ -62,11 +62,11 @@ class Stitcher {
     }
   }
 
-  // Where two vertices would meet: a vertex moves once, and never from under one that moved to it.
+  // Where two vertices would join: a vertex moves once, and never from under one that moved to it.
   struct Move {
     std::uint32_t from, to;
   };
-  [[nodiscard]] std::optional<Move> meet(std::uint32_t a, std::uint32_t b) const {
+  [[nodiscard]] std::optional<Move> join(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t at = target_[a];
     const std::uint32_t bt = target_[b];
     if (at == bt) return Move{at, at};
@@ -98,7 +98,7 @@ class Stitcher {
     auto operator<=>(const Candidate&) const = default;
   };
 
-  // By way of the end where fewer edges meet: at the hub of a fan all of them do.
+  // By way of the end of fewer edges: at the hub of a fan all of them do.
   void find_candidates(const FaceEdge& edge) {
     find_near(edge.low, near_low_);
     find_near(edge.high, near_high_);
@@ -131,8 +131,8 @@ class Stitcher {
           has_corner(edge.face, high, edge.high) || has_corner(candidate.face, edge.low, low) ||
           has_corner(candidate.face, edge.high, high))
         continue;
-      const auto first = meet(edge.low, low);
-      const auto second = meet(edge.high, high);
+      const auto first = join(edge.low, low);
+      const auto second = join(edge.high, high);
       if (!first || !second || clash(*first, *second)) continue;
       apply(*first);
       apply(*second);

@@ -12,7 +12,7 @@ namespace {
 // One more whenever this format changes.
 constexpr std::uint32_t kVersion = 3;
 constexpr std::array<char, 4> kMagic = {'Z', 'P', 'C', '1'};
-constexpr std::uint64_t kBytesMost = std::uint64_t{1} << 34U;
+constexpr std::uint64_t kBytesLimit = std::uint64_t{1} << 34U;
 
 struct FileHeader {
   std::array<char, 4> magic = kMagic;
@@ -29,7 +29,7 @@ struct EntryPlace {
 
 void BakeCache::read(const std::filesystem::path& file) {
   const std::lock_guard lock(mutex_);
-  const Result<std::vector<std::byte>> bytes = read_file(file, kBytesMost);
+  const Result<std::vector<std::byte>> bytes = read_file(file, kBytesLimit);
   FileHeader header;
   if (!bytes || bytes->size() < sizeof header) return;
   std::memcpy(&header, bytes->data(), sizeof header);

@@ -24,6 +24,8 @@ Cross cross_of(const LatticePoint& a, const LatticePoint& b, const LatticePoint&
 
 }  // namespace
 
+double WorldLattice::step_m() const { return std::ldexp(1.0, step_log2); }
+
 void LatticeBox::add(const LatticePoint& p) {
   for (std::size_t i = 0; i < 3; ++i) {
     min[i] = std::min(min[i], p[i]);

@@ -17,6 +17,14 @@ using LatticePoint = std::array<std::int32_t, 3>;
 
 inline glm::dvec3 to_dvec(const LatticePoint& p) { return {p[0], p[1], p[2]}; }
 
+// Where a world's lattice lies in its reference system.
+struct WorldLattice {
+  std::array<std::int64_t, 3> anchor = {};  // steps, whole metres
+  std::int32_t step_log2 = -8;              // in [-16, 0]: steps divide the metre, so that the anchor is whole in both
+
+  [[nodiscard]] double step_m() const;
+};
+
 // Widest distance of two points of a world, in steps.
 inline constexpr std::int64_t kLatticeExtentMax = std::int64_t{1} << 30;
 

@@ -130,7 +130,7 @@ TextureImage make_texture_image(std::span<const std::uint8_t> pixels, std::uint3
 glm::vec3 TextureImage::sample(glm::vec2 uv, std::size_t level, TextureWrap wrap_u, TextureWrap wrap_v) const {
   const Level& l = levels[std::min(level, levels.size() - 1)];
   const auto place = [](float t, std::uint32_t size) {
-    // Beyond this a float tells no texels apart; no number has no place at all.
+    // Beyond this a float separates no texels; no number has no place at all.
     const double at = static_cast<double>(t) * size - 0.5;
     return std::isnan(at) ? 0.0 : std::clamp(at, -1e9, 1e9);
   };

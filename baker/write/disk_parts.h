@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 
 #include "streamer/world_format/bvh_page.h"
 
@@ -25,17 +24,6 @@ struct DiskParts {
     bvh.light += more.bvh.light;
     bvh.normals += more.bvh.normals;
     bvh.texture += more.bvh.texture;
-  }
-  [[nodiscard]] nlohmann::ordered_json to_json() const {
-    return {{"triangles", triangles},
-            {"mesh", mesh},
-            {"json", json},
-            {"tree", bvh.tree},
-            {"materials", bvh.materials},
-            {"looks", bvh.appearances},
-            {"light", bvh.light},
-            {"normals", bvh.normals},
-            {"texture", bvh.texture}};
   }
 };
 

@@ -59,10 +59,10 @@ Status check_replaceable(const fs::path& target, const fs::path& out) {
   const bool is_empty = fs::is_empty(target, code);
   if (code) return io_error(out, "cannot read", code);
   if (!is_empty && !fs::is_regular_file(target / kWorldIndexName, code))
-    return Error{ErrorCode::kArgument, "is a directory that holds something else than a world", out.string()};
+    return Error{ErrorCode::kArgument, "is a directory that contains something else than a world", out.string()};
   for (fs::directory_iterator entry(target, code), end; !code && entry != end; entry.increment(code))
     if (std::ranges::find(kWorldEntries, entry->path().filename().string()) == kWorldEntries.end())
-      return Error{ErrorCode::kArgument, "holds something besides a world: " + entry->path().filename().string(),
+      return Error{ErrorCode::kArgument, "contains something besides a world: " + entry->path().filename().string(),
                    out.string()};
   if (code) return io_error(out, "cannot read", code);
   return {};

@@ -117,7 +117,7 @@ void add_bake(CLI::App& app, const SetCommand& set) {
       ->capture_default_str()
       ->check(CLI::Range(0.001, 100.0));
   command->add_flag("!--from-scratch", arguments->options.reuse,
-                    "Reuse nothing of the old world, and keep nothing (bake.cache) for the next bake");
+                    "Reuse nothing of the old world, and store nothing (bake.cache) for the next bake");
   add_bvh_option(*command, arguments->options.bvh.method, "How BVHs are built; auto: the cheapest on simulated rays");
   command->add_option("--leaf-triangles", arguments->options.leaf_triangles, "Triangles at which a zone is split")
       ->capture_default_str()
@@ -128,14 +128,14 @@ void add_bake(CLI::App& app, const SetCommand& set) {
       ->capture_default_str()
       ->check(CLI::IsMember({0, 32, 64, 128, 256, 512, 1024}));
   command->add_flag("!--no-light", arguments->options.light,
-                    "Bake no light: the sky reaches every surface and nothing shines back");
+                    "Bake no light: the sky reaches every surface, and no surface lights another");
   command->add_option(
       "--sun", arguments->sun,
-      "Sun, azimuth (degrees clockwise from north) and elevation, as in 145,38: what it lights is stored too, "
-      "and needs no shadow rays while a replay's sun is the same");
+      "Sun, azimuth (degrees clockwise from north) and elevation, as in 145,38: what it reaches is stored too, "
+      "so that a replay under the same sun needs no shadow rays");
   command->add_flag("--exterior", arguments->options.exterior,
-                    "Leave out faces that can be seen from nowhere outside: rooms without an opening, what stands in "
-                    "them, and walls between buildings that touch");
+                    "Leave out faces that cannot be seen from outside: rooms without an opening, what is in them, and "
+                    "walls between buildings that touch");
   command->add_option("--threads", arguments->options.threads, "Threads (0: all cores)")
       ->capture_default_str()
       ->check(CLI::Range(0U, 256U));

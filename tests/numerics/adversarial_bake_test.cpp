@@ -14,139 +14,26 @@
 #include <random>
 
 #include "baker/bake.h"
-#include "baker/write/encode.h"
+#include "baker/encode/zone_glb.h"
 #include "base/file.h"
 #include "streamer/world_format/bvh_page.h"
 #include "streamer/world_format/page_view.h"
+#include "tests/numerics/triangle_tree.h"
 #include "tests/unit/baker/test_city.h"
 
 namespace zc {
 namespace {
 
 namespace fs = std::filesystem;
+using test::area_of;
+using test::farthest;
+using test::kSamples;
+using test::sample;
 using test::SceneMaker;
-using Triangle = std::array<glm::dvec3, 3>;
+using test::Triangle;
+using test::TriangleTree;
 
 constexpr double kStepM = 1.0 / 256;
-
-double distance_to_segment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
-  const glm::dvec3 ab = b - a;
-  const double length2 = glm::dot(ab, ab);
-  const double t = length2 > 0 ? std::clamp(glm::dot(p - a, ab) / length2, 0.0, 1.0) : 0.0;
-  return glm::distance(p, a + ab * t);
-}
-
-// The plane where the point is above the triangle, the nearest side elsewhere.
-double distance_to_triangle(const glm::dvec3& p, const Triangle& t) {
-  const double sides = std::min(
-      {distance_to_segment(p, t[0], t[1]), distance_to_segment(p, t[1], t[2]), distance_to_segment(p, t[2], t[0])});
-  const glm::dvec3 n = glm::cross(t[1] - t[0], t[2] - t[0]);
-  const double length = glm::length(n);
-  if (length == 0) return sides;
-  for (std::size_t i = 0; i < 3; ++i)
-    if (glm::dot(glm::cross(t[(i + 1) % 3] - t[i], p - t[i]), n) < 0) return sides;
-  return std::min(sides, std::abs(glm::dot(p - t[0], n)) / length);
-}
-
-// Triangles in halves of their boxes' centres.
-class TriangleTree {
- public:
-  explicit TriangleTree(std::vector<Triangle> triangles) : triangles_(std::move(triangles)) {
-    if (!triangles_.empty()) build(0, triangles_.size());
-  }
-
-  // Of no consequence where it is no more than `enough`.
-  [[nodiscard]] double distance(const glm::dvec3& p, double enough) const {
-    double nearest = std::numeric_limits<double>::infinity();
-    if (!nodes_.empty()) search(0, p, enough, nearest);
-    return nearest;
-  }
-  [[nodiscard]] const std::vector<Triangle>& triangles() const { return triangles_; }
-
- private:
-  struct Node {
-    glm::dvec3 low, high;
-    std::size_t first, count, right;
-  };
-
-  std::size_t build(std::size_t first, std::size_t count) {
-    const std::size_t at = nodes_.size();
-    nodes_.push_back({glm::dvec3(INFINITY), glm::dvec3(-INFINITY), first, count, 0});
-    for (std::size_t i = first; i < first + count; ++i) {
-      for (const glm::dvec3& p : triangles_[i]) {
-        nodes_[at].low = glm::min(nodes_[at].low, p);
-        nodes_[at].high = glm::max(nodes_[at].high, p);
-      }
-    }
-    if (count <= 8) return at;
-    const glm::dvec3 size = nodes_[at].high - nodes_[at].low;
-    const int axis = size.x > size.y && size.x > size.z ? 0 : size.y > size.z ? 1 : 2;
-    const auto begin = triangles_.begin() + static_cast<std::ptrdiff_t>(first);
-    std::nth_element(begin, begin + static_cast<std::ptrdiff_t>(count / 2), begin + static_cast<std::ptrdiff_t>(count),
-                     [&](const Triangle& a, const Triangle& b) {
-                       return a[0][axis] + a[1][axis] + a[2][axis] < b[0][axis] + b[1][axis] + b[2][axis];
-                     });
-    build(first, count / 2);
-    const std::size_t right = build(first + count / 2, count - count / 2);
-    nodes_[at].right = right;
-    return at;
-  }
-
-  [[nodiscard]] double box_distance(std::size_t i, const glm::dvec3& p) const {
-    return glm::length(glm::max(glm::max(nodes_[i].low - p, p - nodes_[i].high), glm::dvec3(0)));
-  }
-
-  void search(std::size_t i, const glm::dvec3& p, double enough, double& nearest) const {
-    const Node& node = nodes_[i];
-    if (nearest <= enough || box_distance(i, p) >= nearest) return;
-    if (node.right == 0) {
-      for (std::size_t t = node.first; t < node.first + node.count; ++t)
-        nearest = std::min(nearest, distance_to_triangle(p, triangles_[t]));
-      return;
-    }
-    const bool left_first = box_distance(i + 1, p) <= box_distance(node.right, p);
-    search(left_first ? i + 1 : node.right, p, enough, nearest);
-    search(left_first ? node.right : i + 1, p, enough, nearest);
-  }
-
-  std::vector<Triangle> triangles_;
-  std::vector<Node> nodes_;
-};
-
-// Calls visit(point) at corners, along sides and at random inside, more where there is more area.
-void sample(const Triangle& t, double area_per_sample, std::mt19937_64& random,
-            const std::function<void(const glm::dvec3&)>& visit) {
-  constexpr std::array<double, 3> kAlong = {0, 0.37, 0.71};
-  for (std::size_t i = 0; i < 3; ++i)
-    for (const double s : kAlong) visit(t[i] + (t[(i + 1) % 3] - t[i]) * s);
-  visit((t[0] + t[1] + t[2]) / 3.0);
-  std::uniform_real_distribution<double> unit(0, 1);
-  const double area = glm::length(glm::cross(t[1] - t[0], t[2] - t[0])) / 2;
-  const auto count = static_cast<std::size_t>(std::min(area / area_per_sample, 1e5));
-  for (std::size_t i = 0; i < count; ++i) {
-    double u = unit(random);
-    double v = unit(random);
-    if (u + v > 1) u = 1 - u, v = 1 - v;
-    visit(t[0] + (t[1] - t[0]) * u + (t[2] - t[0]) * v);
-  }
-}
-
-double area_of(std::span<const Triangle> triangles) {
-  double area = 0;
-  for (const Triangle& t : triangles) area += glm::length(glm::cross(t[1] - t[0], t[2] - t[0])) / 2;
-  return area;
-}
-
-constexpr double kSamples = 30000;
-
-double farthest(std::span<const Triangle> from, const TriangleTree& to) {
-  std::mt19937_64 random(11);
-  const double area_per_sample = std::max(area_of(from) / kSamples, 1e-9);
-  double most = 0;
-  for (const Triangle& t : from)
-    sample(t, area_per_sample, random, [&](const glm::dvec3& p) { most = std::max(most, to.distance(p, most)); });
-  return most;
-}
 
 struct StoredNode {
   NodeRecord record;
@@ -603,55 +490,6 @@ TEST_F(AdversarialBake, FansOfThousandsOfTriangles) {
     for (int i = 0; i < kTriangles; ++i) maker.triangle({0, 0, height}, at(i), at(i + 1), 0);
     maker.object(ObjectKind::kObject);
     expect_bounds(maker.scene, 400, 0.1);
-  }
-}
-
-// Counts, not times. Simplification's work grows no faster than a zone, whatever lies on top of what. Small ones are
-// searched as long as it takes: there the work grows as the square, to what these sizes are held to.
-TEST_F(AdversarialBake, WorkGrowsAsTheInputDoes) {
-  const auto turn = [](int i, int count) { return 2 * M_PI * i / count; };
-  const auto book = [&](SceneMaker& maker, int count) {  // pages at one edge
-    for (int i = 0; i < count; ++i)
-      maker.triangle({0, 0, 0}, {0, 0, 100}, {std::cos(turn(i, count)) * 100, std::sin(turn(i, count)) * 100, 50}, 0);
-  };
-  const auto fan = [&](SceneMaker& maker, int count) {
-    const auto at = [&](int i) {
-      return glm::dvec3(std::cos(turn(i, count)) * 100, std::sin(turn(i, count)) * 100, 0.05 * (i * 7 % 3));
-    };
-    for (int i = 0; i < count; ++i) maker.triangle({0, 0, 0}, at(i), at((i + 1) % count), 0);
-  };
-  const auto soup = [](SceneMaker& maker, int count) {
-    std::mt19937_64 random(9);
-    for (int i = 0; i < count; ++i)
-      maker.triangle(random_point(random, 100), random_point(random, 100), random_point(random, 100),
-                     static_cast<std::uint16_t>(i % 4));
-  };
-  const auto points = [](SceneMaker& maker, int count) {  // of one long side, all at one corner
-    for (int i = 0; i < count; ++i)
-      maker.triangle({i * 0.01, 0, 0}, {(i + 1) * 0.01, 0, 0}, {count * 0.005, 100, 0}, 0);
-  };
-  constexpr double kGrowth = 2.5;
-  constexpr double kWorkPerTriangle = 30'000;
-  struct Shape {
-    std::function<void(SceneMaker&, int)> make;
-    bool reaches_bound;  // at these sizes
-  };
-  for (const auto& [shape, reaches_bound] : {Shape{book, true}, {fan, true}, {soup, true}, {points, false}}) {
-    std::array<double, 2> work = {};
-    for (const int doubled : {0, 1}) {
-      const int count = 8000 << doubled;
-      SceneMaker maker;
-      shape(maker, count);
-      maker.object(ObjectKind::kObject);
-      const auto report = bake(maker.scene, 40000, /*light=*/false);
-      ASSERT_TRUE(report.ok()) << report.error().describe();
-      work[static_cast<std::size_t>(doubled)] = static_cast<double>(report->simplify_work);
-      EXPECT_GT(report->simplify_work, 0U);
-      EXPECT_LE(report->simplify_work, kWorkPerTriangle * count);
-    }
-    if (reaches_bound) {
-      EXPECT_LE(work[1], kGrowth * work[0]);
-    }
   }
 }
 

@@ -34,14 +34,14 @@ bool is_geographic(std::string_view crs) {
   return std::find(kGeographic.begin(), kGeographic.end(), code) != kGeographic.end();
 }
 
-// 0 to 4 for "lod3Solid"; nothing for other names. Relief says it elsewhere, and has but one.
+// 0 to 4 for "lod3Solid"; nothing for other names. Relief has it elsewhere, and only one.
 std::optional<int> lod_of(std::string_view name) {
   if (name == "tin") return kMaxLod;
   if (!name.starts_with("lod") || name.size() < 5 || name[3] < '0' || name[3] > '4') return std::nullopt;
   return name[3] - '0';
 }
 
-// What is under such an element is not what a feature looks like.
+// What is under such an element is not the shape of a feature.
 bool is_left_out(std::string_view name) {
   return name == "interiorRoom" || name == "roomInstallation" || name == "interiorFurniture" ||
          name == "interiorBuildingInstallation" || name == "Room" || name == "appearance" || name == "boundedBySolid" ||

@@ -33,7 +33,7 @@ std::optional<int> depth_of(std::string_view type) {
   return std::nullopt;
 }
 
-// What a geometry says about each of its surfaces; null where it says nothing. Nested like the boundaries.
+// The values of a geometry for each of its surfaces; null where there are none. Nested like the boundaries.
 struct Labels {
   const json* semantics = nullptr;
   const json* materials = nullptr;

@@ -178,7 +178,7 @@ class ObjectsReader {
     glm::dmat4 placement(1);
     for (std::size_t i = 0; i < 16; ++i) {
       if (!(*matrix)[i].is_number())
-        return source_.object_error(id, "transformationMatrix holds something but numbers");
+        return source_.object_error(id, "transformationMatrix contains something but numbers");
       placement[static_cast<int>(i % 4)][static_cast<int>(i / 4)] = (*matrix)[i].get<double>();
     }
     const json* boundaries = find_member(geometry, "boundaries");

@@ -12,7 +12,7 @@
 
 namespace zc {
 
-// What a CityJSONSeq's first line, or the document itself, holds for all objects.
+// What a CityJSONSeq's first line, or the document itself, contains for all objects.
 struct CityHeader {
   CityTransform transform;
   CityAppearance appearance;

@@ -69,7 +69,7 @@ Status check_declared(std::span<const std::byte> bytes, const GltfFile& file, co
   return {};
 }
 
-// Of every point. The primitive's accessor says what Draco's integers mean.
+// Of every point. The primitive's accessor gives the meaning of Draco's integers.
 template <int kComponents>
 Result<std::vector<std::array<double, kComponents>>> read_attribute(const GltfFile& file,
                                                                     const tinygltf::Primitive& primitive,

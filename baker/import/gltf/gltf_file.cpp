@@ -50,6 +50,41 @@ std::uint32_t word(std::span<const std::byte> bytes, std::size_t at) {
   return value;
 }
 
+// A version that is not read, and what to do about it.
+Error wrong_version(const std::string& version, const std::string& path, std::int64_t at = -1) {
+  std::string advice;
+  if (version.starts_with("0.") || version.starts_with('1')) {
+    const bool is_tile = std::filesystem::path(path).extension() == ".b3dm";
+    advice = is_tile ? "; convert the tileset, for example with 3d-tiles-tools from npm: 3d-tiles-tools upgrade "
+                       "-i tileset.json -o new"
+                     : "; convert it, for example with gltf-pipeline from npm: gltf-pipeline -i old.gltf -o new.glb";
+  }
+  return {ErrorCode::kUnsupported, "glTF version " + version + ", only 2.0 is read" + advice, path, at};
+}
+
+// glTF 1.0 need not name its version, but its lists are objects whose members have names.
+bool has_named_lists(const json& document) {
+  const auto is_object = [&](const char* key) {
+    const json* member = find_member(document, key);
+    return member != nullptr && member->is_object();
+  };
+  return is_object("meshes") || is_object("accessors") || is_object("buffers");
+}
+
+Status check_version(const json& document, const std::string& path) {
+  const json* asset = find_member(document, "asset");
+  const json* version = asset != nullptr ? find_member(*asset, "version") : nullptr;
+  if (version == nullptr) {
+    if (has_named_lists(document)) return wrong_version("1.0", path);
+    return Error{ErrorCode::kFormat, "glTF has no asset.version", path};
+  }
+  if (version->is_number() && version->get<double>() < 2) return wrong_version(version->dump(), path);
+  if (!version->is_string()) return Error{ErrorCode::kFormat, "asset.version of the glTF is not text", path};
+  const std::string& text = version->get_ref<const std::string&>();
+  if (!text.starts_with("2.")) return wrong_version(one_line(text), path);
+  return {};
+}
+
 struct Chunks {
   std::string_view json;
   std::span<const std::byte> bin;
@@ -61,6 +96,8 @@ Result<Chunks> split_glb(std::span<const std::byte> bytes, const std::string& pa
     return Error{ErrorCode::kFormat, std::move(message), path, static_cast<std::int64_t>(at)};
   };
   if (bytes.size() < 12) return fault("GLB header is cut short", bytes.size());
+  // A container of version 1 contains glTF 1.0.
+  if (word(bytes, 4) == 1) return wrong_version("1.0", path, 4);
   if (word(bytes, 4) != 2)
     return Error{ErrorCode::kUnsupported, "GLB version " + std::to_string(word(bytes, 4)) + ", only 2 is read", path,
                  4};
@@ -96,7 +133,7 @@ bool decode_data_uri(const std::string& uri, std::vector<std::byte>& out) {
   std::string mime;
   if (!tinygltf::DecodeDataURI(&data, mime, uri, 0, false)) return false;
   out.resize(data.size());
-  std::memcpy(out.data(), data.data(), data.size());
+  std::ranges::transform(data, out.begin(), [](unsigned char c) { return std::byte{c}; });
   return true;
 }
 
@@ -123,7 +160,7 @@ Status check_required(const json& document, const std::string& path) {
   if (required == nullptr) return {};
   if (!required->is_array()) return Error{ErrorCode::kFormat, "extensionsRequired is not an array", path};
   for (const json& name : *required) {
-    if (!name.is_string()) return Error{ErrorCode::kFormat, "extensionsRequired holds something but names", path};
+    if (!name.is_string()) return Error{ErrorCode::kFormat, "extensionsRequired contains something but names", path};
     const std::string& text = name.get_ref<const std::string&>();
     if (std::find(kHandled.begin(), kHandled.end(), text) == kHandled.end() && !text.starts_with("KHR_materials_"))
       return Error{ErrorCode::kUnsupported, "requires the extension " + one_line(text) + ", which is not handled",
@@ -273,7 +310,7 @@ Status read_center(const json& document, GltfFile& file) {
 }
 
 // What tinygltf shall see. An indexed Draco primitive has accessors without a view, which it refuses: the index
-// accessor goes, since the Draco stream holds the indices.
+// accessor goes, since the Draco stream contains the indices.
 json reduced(const json& document, GltfFile& file) {
   json kept = json::object();
   for (const char* key :
@@ -322,12 +359,7 @@ Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path
   std::string text;
   {
     ZC_ASSIGN(const json document, parse_json(chunks.json, path, chunks.json_offset));
-    const json* asset = find_member(document, "asset");
-    const json* version = asset != nullptr ? find_member(*asset, "version") : nullptr;
-    if (version == nullptr || !version->is_string()) return file.error("glTF has no asset.version");
-    if (!version->get_ref<const std::string&>().starts_with("2."))
-      return Error{ErrorCode::kUnsupported,
-                   "glTF version " + one_line(version->get_ref<const std::string&>()) + ", only 2 is read", path};
+    ZC_TRY(check_version(document, path));
     ZC_TRY(check_required(document, path));
     ZC_TRY(check_types(document, file));
     ZC_TRY(load_buffers(document, chunks.bin, is_glb, root, file));
@@ -345,7 +377,7 @@ Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path
   try {
     if (!parser.LoadASCIIFromString(&file.model, &fault, &warning, text.data(), static_cast<unsigned>(text.size()), ""))
       return file.error("invalid glTF: " + one_line(fault));
-    // It leaves out what it cannot parse, says so here and calls that success.
+    // It leaves out what it cannot parse, reports it here and returns success.
     if (!fault.empty()) return file.error("invalid glTF: " + one_line(fault));
   } catch (const std::bad_alloc&) {
     throw;

@@ -121,7 +121,7 @@ Result<std::vector<double>> read_accessor(const GltfFile& file, int index, int w
   } else {
     if (!accessor.sparse.isSparse) return file.error(place + " has no bufferView");
     if (accessor.count > kMaxBareElements)
-      return file.error(place + " declares " + std::to_string(accessor.count) + " elements and holds none");
+      return file.error(place + " declares " + std::to_string(accessor.count) + " elements and contains none");
     values.assign(accessor.count * components, 0.0);
   }
   if (accessor.sparse.isSparse) ZC_TRY(apply_sparse(file, accessor, components, place, values));

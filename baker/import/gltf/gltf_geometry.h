@@ -26,7 +26,7 @@ struct GltfGeometry {
 Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, int texcoord,
                                     const std::string& where);
 
-// Numbers of an accessor, components of an element after each other; normalised ones as KHR_mesh_quantization says.
+// Numbers of an accessor, components of an element after each other; normalised ones as KHR_mesh_quantization defines.
 Result<std::vector<double>> read_accessor(const GltfFile& file, int index, int wanted_type, std::size_t components,
                                           const std::string& where);
 

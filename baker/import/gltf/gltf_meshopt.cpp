@@ -51,7 +51,7 @@ Result<PackedView> read_packed_view(const json& extension, std::uint64_t view_by
   word("filter", packed.filter);
   if (packed.stride == 0 || packed.stride > 256 || packed.count > std::numeric_limits<std::uint32_t>::max() ||
       packed.count * packed.stride > view_bytes)
-    return file.error(where + " unpacks to more than its bufferView holds");
+    return file.error(where + " unpacks to more than its bufferView contains");
   if (packed.count * packed.stride > kMaxExpansion * *length)
     return file.error(where + " of " + std::to_string(*length) + " bytes declares " +
                       std::to_string(packed.count * packed.stride) + " bytes");

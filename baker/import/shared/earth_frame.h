@@ -21,7 +21,7 @@ Geodetic geodetic_of(const glm::dvec3& geocentric);
 
 class EarthFrame {
  public:
-  // The origin is rounded to the digits that crs() shows: its text says all about the frame.
+  // The origin is rounded to the digits that crs() shows: its text defines the frame.
   explicit EarthFrame(const Geodetic& origin);
   [[nodiscard]] const glm::dmat4& from_geocentric() const { return from_geocentric_; }
   [[nodiscard]] std::string crs() const;

@@ -17,9 +17,9 @@ namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-// Ear clipping looks at every corner for every ear: beyond this a fan, or a hostile ring takes hours.
+// Ear clipping visits every corner for every ear: beyond this a fan, or a hostile ring takes hours.
 constexpr std::size_t kMaxEarCorners = 2000;
-// Of rings at odds with each other or with themselves, all edges are held against all.
+// Of rings at odds with each other or with themselves, all edges are compared with all.
 constexpr std::size_t kMaxOddCorners = 1000;
 constexpr std::size_t kMaxOddHoles = 64;
 constexpr std::size_t kMaxPieces = 64;
@@ -171,7 +171,7 @@ bool cut_rings(const FlatPolygon& flat, Triangles& local) {
   return true;
 }
 
-// As cut_rings(), without the holes that cross a ring before them; says how many. Nothing when the outer ring does.
+// As cut_rings(), without the holes that cross a ring before them; returns how many. Nothing when the outer ring does.
 std::optional<std::uint32_t> cut_sound_rings(const FlatPolygon& flat, Triangles& local) {
   if (flat.points.size() > kMaxOddCorners || flat.ring_ends.size() > 1 + kMaxOddHoles) return std::nullopt;
   FlatPolygon kept;
@@ -200,7 +200,7 @@ std::optional<std::uint32_t> cut_sound_rings(const FlatPolygon& flat, Triangles&
   return dropped;
 }
 
-// The loops of the outer ring, parted where it crosses itself; each goes round one piece. Nothing when it crosses
+// The loops of the outer ring, separated where it crosses itself; each goes round one piece. Nothing when it crosses
 // itself too often. Adds the crossings to both polygons.
 std::optional<std::vector<std::vector<std::uint32_t>>> loops_of(Polygon& polygon, FlatPolygon& flat) {
   if (flat.ring_ends.front() > kMaxOddCorners) return std::nullopt;
@@ -212,9 +212,9 @@ std::optional<std::vector<std::vector<std::uint32_t>>> loops_of(Polygon& polygon
     const std::vector<std::uint32_t> ring = std::move(open.back());
     open.pop_back();
     const std::size_t n = ring.size();
-    bool parted = false;
-    for (std::size_t i = 0; i + 2 < n && !parted; ++i) {
-      for (std::size_t j = i + 2; j < n && !parted; ++j) {
+    bool separated = false;
+    for (std::size_t i = 0; i + 2 < n && !separated; ++i) {
+      for (std::size_t j = i + 2; j < n && !separated; ++j) {
         const glm::dvec2 a = flat.points[ring[i]], b = flat.points[ring[i + 1]];
         const glm::dvec2 c = flat.points[ring[j]], d = flat.points[ring[(j + 1) % n]];
         const double side_a = turn(c, d, a), side_b = turn(c, d, b);
@@ -235,10 +235,10 @@ std::optional<std::vector<std::vector<std::uint32_t>>> loops_of(Polygon& polygon
         outer.insert(outer.end(), ring.begin() + static_cast<std::ptrdiff_t>(j) + 1, ring.end());
         open.push_back(std::move(inner));
         open.push_back(std::move(outer));
-        parted = true;
+        separated = true;
       }
     }
-    if (!parted) loops.push_back(ring);
+    if (!separated) loops.push_back(ring);
   }
   return loops;
 }

@@ -33,7 +33,7 @@ bool usable(const glm::dvec3& p) {
   return std::abs(p.x) <= kMaxCoordinateM && std::abs(p.y) <= kMaxCoordinateM && std::abs(p.z) <= kMaxCoordinateM;
 }
 
-// Whether the coordinates tell texels apart; false for NaN.
+// Whether the coordinates separate texels; false for NaN.
 bool usable(const TriangleTexcoords& texcoords) {
   return std::all_of(texcoords.uv.begin(), texcoords.uv.end(), [](const glm::vec2& uv) {
     return std::abs(uv.x) <= kMaxTexcoord && std::abs(uv.y) <= kMaxTexcoord;

@@ -29,7 +29,7 @@ struct ObjectMesh {
 inline constexpr double kGroundExtentM = 128;
 // Beyond this a coordinate has no place on any lattice.
 inline constexpr double kMaxCoordinateM = 1.8e18;
-// Beyond this a texture coordinate, a float, tells not even whole repeats of the image apart.
+// Beyond this a texture coordinate, a float, separates not even whole repeats of the image.
 inline constexpr float kMaxTexcoord = 1U << 24U;
 
 class SceneBuilder {
@@ -45,7 +45,7 @@ class SceneBuilder {
   void note(const std::string& what, std::uint64_t count = 1);
   // One for each of the files that are named.
   void note_files(const std::string& what, const std::vector<std::string>& names);
-  // Keeps the first system named; fails when `crs` names another one. An empty name says nothing.
+  // Keeps the first system named; fails when `crs` names another one. An empty name has no effect.
   Status set_crs(const std::string& crs, const std::string& path);
   [[nodiscard]] std::uint64_t crs_named() const { return crs_named_; }  // how often set_crs() was told one
   [[nodiscard]] Scene finish(std::vector<TextureImage> images) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What CityJSON surfaces look like when nobody painted them: semantics, object type or the way they face decide.
+// The appearance of CityJSON surfaces that nobody painted: semantics, object type or the way they face decide.
 // Colours are linear. Thread-safe: no state.
 #pragma once
 
@@ -48,7 +48,7 @@ bool is_building(std::string_view object_type);
 
 ObjectKind kind_of_city_object(std::string_view object_type);
 
-// What a surface looks like; `painted` is the mean colour of its texture or its material's colour.
+// The appearance of a surface; `painted` is the mean colour of its texture or its material's colour.
 struct Paint {
   std::optional<glm::vec3> color;
   std::optional<SurfaceTexture> texture;

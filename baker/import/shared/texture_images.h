@@ -29,7 +29,7 @@ class TextureImages {
  public:
   // `file` is where the image lies, or why it is not read (uri.h); `name` is how the model calls it.
   std::optional<LoadedImage> of_file(const Result<std::filesystem::path>& file, const std::string& name);
-  // `key` tells images within models apart.
+  // `key` separates images within models.
   std::optional<LoadedImage> of_bytes(const std::string& key, std::span<const std::byte> encoded);
   void report(SceneBuilder& builder) const;
   [[nodiscard]] std::vector<TextureImage> take() { return std::move(images_); }

@@ -93,7 +93,7 @@ class TileContent {
               rtc_center(body.first(json_bytes), body.subspan(json_bytes, binary_bytes), at + kB3dmHeaderBytes));
     const Bytes model = body.subspan(tables_bytes);
     const std::size_t model_at = at + kB3dmHeaderBytes + tables_bytes;
-    if (!text_of(model).starts_with("glTF")) return fault("b3dm holds no GLB behind its tables", model_at);
+    if (!text_of(model).starts_with("glTF")) return fault("b3dm contains no GLB behind its tables", model_at);
     return add_gltf(model, model_at, center);
   }
 

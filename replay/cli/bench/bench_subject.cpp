@@ -24,13 +24,17 @@ constexpr double kPlainFrameM = 32768;
 // Snaps, repairs and cuts as a bake does, without proxies.
 Result<BenchScene> cut_scene(std::string name, Scene&& soup, std::uint32_t leaf_triangles,
                              const std::optional<CrsPoint>& origin) {
-  ZC_ASSIGN(SnappedScene snapped, snap_scene(std::move(soup), kDefaultStepLog2));
-  ZC_ASSIGN(const RepairReport repair, repair_scene(snapped));
-  ZoneTree tree = cut_zones(snapped, leaf_triangles);
-  for (const ImportCount& note : repair.counts) spdlog::info("{}: {}", note.what, note.count);
-  for (const ImportCount& note : snapped.notes) spdlog::info("{}: {}", note.what, note.count);
-  SceneAssembly assembly(std::move(name), origin.value_or(snapped.anchor), std::ldexp(1.0, kDefaultStepLog2));
-  for (Zone& zone : tree.zones) {
+  BakeContext context;
+  ZC_ASSIGN(const WorldLattice lattice, fit_lattice(soup, kDefaultStepLog2));
+  ZC_ASSIGN(SnappedScene snapped, snap_scene({std::move(soup), lattice}, context));
+  ZC_ASSIGN(RepairedScene repaired, repair_scene(std::move(snapped), context));
+  const CellGrid grid = fit_cells(repaired.scene, leaf_triangles);
+  ZC_ASSIGN(CutScene cut,
+            cut_zones({.scene = std::move(repaired.scene), .leaf_triangles = leaf_triangles, .grid = grid}, context));
+  for (const ImportCount& note : repaired.report.counts) spdlog::info("{}: {}", note.what, note.count);
+  for (const ImportCount& note : cut.notes) spdlog::info("{}: {}", note.what, note.count);
+  SceneAssembly assembly(std::move(name), origin.value_or(lattice.anchor), lattice.step_m());
+  for (Zone& zone : cut.tree.zones) {
     if (zone.detail.faces.empty()) continue;
     const std::uint32_t shift = step_shift_for_box(bounds_of(zone.detail));
     round_to_step(zone.detail, shift);
@@ -38,7 +42,7 @@ Result<BenchScene> cut_scene(std::string name, Scene&& soup, std::uint32_t leaf_
     for (const LatticeFace& face : zone.detail.faces) {
       std::array<CrsPoint, 3> corners;
       for (std::size_t i = 0; i < 9; ++i)
-        corners[i / 3][i % 3] = snapped.anchor[i % 3] + zone.detail.vertices[face.v[i / 3]][i % 3];
+        corners[i / 3][i % 3] = lattice.anchor[i % 3] + zone.detail.vertices[face.v[i / 3]][i % 3];
       ZC_TRY(assembly.add(corners));
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Walls with textures into looks and atlases, read back as the shaders read them.
+// Walls with textures into surface attributes and atlases, read back as the shaders read them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -75,8 +75,7 @@ struct Walls {
     return static_cast<std::uint16_t>(scene.materials.size() - 1);
   }
   ZoneAppearance appearances(const AtlasOptions& options = {}) {
-    TextureSource source(scene);
-    source.move_to_lattice({0, 0, 0}, kStepLog2);
+    const TextureSource source(scene, {{0, 0, 0}, kStepLog2});
     return make_zone_appearance(mesh, node, source, scene.materials, kStepM, options);
   }
 };

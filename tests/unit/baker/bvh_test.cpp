@@ -303,15 +303,15 @@ TEST(BvhMethods, SimulatedRaysFindWhatEveryTriangleInTurnFinds) {
     ASSERT_TRUE(tree.ok());
     const TreeSimulation simulation(*tree, triangles);
     TraceCounts counts;
-    std::size_t met = 0;
+    std::size_t hits = 0;
     for (const SampleRay& ray : rays) {
       SampleHit expected;
       for (std::uint32_t t = 0; t < triangles.size(); ++t) test_triangle(triangles[t], t, ray, expected);
       const SampleHit hit = simulation.trace(ray, counts);
       EXPECT_EQ(hit.triangle, expected.triangle);
-      met += hit.triangle != SampleHit{}.triangle ? 1 : 0;
+      hits += hit.triangle != SampleHit{}.triangle ? 1 : 0;
     }
-    EXPECT_GT(met, rays.size() / 4);
+    EXPECT_GT(hits, rays.size() / 4);
     EXPECT_LT(counts.triangles, rays.size() * triangles.size() / 4);
   }
 }

@@ -56,9 +56,10 @@ class Town {
   }
 
   Result<CityLight> light(BakeCache& cache, const std::optional<SunAngles>& sun, unsigned threads = 2) const {
-    std::atomic<std::size_t> done = 0;
-    auto light = light_city(meshes_, nodes_, materials_, sun, kStepM, threads, cache, [&] { ++done; });
-    EXPECT_EQ(done, nodes_.size());
+    std::size_t reports = 0;
+    BakeContext context(threads, [&](double, std::string_view) { ++reports; });
+    auto light = light_city({nodes_, sun, kStepM, cache, meshes_, materials_}, context);
+    EXPECT_EQ(reports, 1 + nodes_.size());
     return light;
   }
 

@@ -3,23 +3,21 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <set>
+#include <span>
 
+#include "tests/unit/baker/stages.h"
 #include "tests/unit/baker/test_city.h"
 
 namespace zc {
 namespace {
 
 using test::SceneMaker;
-
-SnappedScene snapped(Scene scene) {
-  auto result = snap_scene(std::move(scene), -8);
-  EXPECT_TRUE(result.ok());
-  return *std::move(result);
-}
+using test::snapped;
 
 double plan_area(const LatticeMesh& mesh) {  // of upward faces, seen from above
   double area = 0;
@@ -35,9 +33,9 @@ double plan_area(const LatticeMesh& mesh) {  // of upward faces, seen from above
 TEST(Cut, TheGroundIsCoveredExactlyOnce) {
   SceneMaker maker;
   maker.terrain({0, 0, 0}, 64, 7.3);
-  SnappedScene scene = snapped(std::move(maker.scene));
+  const SnappedScene scene = snapped(std::move(maker.scene));
   const double before = plan_area(scene.mesh);
-  const ZoneTree tree = cut_zones(scene, 300);
+  const ZoneTree tree = test::cut(scene, 300).tree;
   double after = 0;
   std::size_t leaves = 0;
   for (const auto& zone : tree.zones) {
@@ -53,9 +51,9 @@ TEST(Cut, BothSidesOfEveryBorderHaveTheSameVertices) {
   SceneMaker maker;
   maker.terrain({0, 0, 0}, 64, 7.3);
   maker.terrain({100.3, 100.7, 40}, 90, 1.1);  // denser: neighbours of different depth
-  SnappedScene scene = snapped(std::move(maker.scene));
-  const ZoneTree tree = cut_zones(scene, 300);
-  // Edges on border planes, from all zones: each must be met by its reverse, or lie on the rim of the scene.
+  const SnappedScene scene = snapped(std::move(maker.scene));
+  const ZoneTree tree = test::cut(scene, 300).tree;
+  // Edges on border planes, from all zones: each must have its reverse, or lie on the rim of the scene.
   std::map<std::pair<LatticePoint, LatticePoint>, int> edges;
   std::set<std::uint32_t> depths;
   for (const auto& zone : tree.zones) {
@@ -84,8 +82,8 @@ TEST(Cut, BothSidesOfEveryBorderHaveTheSameVertices) {
 TEST(Cut, BorderVerticesSurviveTheStepOfEveryNodeThatMeetsThere) {
   SceneMaker maker;
   maker.terrain({0, 0, 0}, 80, 41.7);
-  SnappedScene scene = snapped(std::move(maker.scene));
-  const ZoneTree tree = cut_zones(scene, 300);
+  const SnappedScene scene = snapped(std::move(maker.scene));
+  const ZoneTree tree = test::cut(scene, 300).tree;
   std::size_t checked = 0;
   for (const auto& leaf : tree.zones) {
     for (const auto& p : leaf.detail.vertices) {
@@ -103,9 +101,9 @@ TEST(Cut, BorderVerticesSurviveTheStepOfEveryNodeThatMeetsThere) {
 }
 
 TEST(Cut, ObjectsStayWholeInTheZoneOfTheirCentre) {
-  SnappedScene scene = snapped(test::small_city());
+  const SnappedScene scene = snapped(test::small_city());
   const std::size_t boxes = scene.objects.size() - 1;
-  const ZoneTree tree = cut_zones(scene, 500);
+  const ZoneTree tree = test::cut(scene, 500).tree;
   std::size_t object_faces = 0;
   for (const auto& zone : tree.zones) {
     std::size_t own = 0;
@@ -121,19 +119,19 @@ TEST(Cut, AHugeObjectIsCutAndSaysSo) {
   maker.box({0, 0, 0}, {400, 30, 20});
   maker.object(ObjectKind::kObject);
   maker.houses({0, 100, 0}, 30, 14);
-  SnappedScene scene = snapped(std::move(maker.scene));
-  const ZoneTree tree = cut_zones(scene, 200);
-  ASSERT_FALSE(scene.notes.empty());
-  EXPECT_EQ(scene.notes.back().what, "objects wider than 128 m, cut at zone borders");
-  EXPECT_GT(tree.zones.size(), 4U);
+  const SnappedScene scene = snapped(std::move(maker.scene));
+  const CutScene out = test::cut(scene, 200);
+  ASSERT_FALSE(out.notes.empty());
+  EXPECT_EQ(out.notes.back().what, "objects wider than 128 m, cut at zone borders");
+  EXPECT_GT(out.tree.zones.size(), 4U);
 }
 
 TEST(Cut, EverythingInOnePlaceEndsInOneSmallCell) {
   SceneMaker maker;
   for (int i = 0; i < 1000; ++i) maker.triangle({0, 0, 0}, {1, i * 0.01, 0}, {0, 0, 1}, 0);
   maker.object(ObjectKind::kGround);
-  SnappedScene scene = snapped(std::move(maker.scene));
-  const ZoneTree tree = cut_zones(scene, 100);
+  const SnappedScene scene = snapped(std::move(maker.scene));
+  const ZoneTree tree = test::cut(scene, 100).tree;
   EXPECT_EQ(tree.zones.size(), 1U);
   EXPECT_EQ(tree.zones[0].detail.faces.size(), scene.mesh.faces.size());
 }
@@ -142,8 +140,8 @@ TEST(Cut, WhatLiesOverEachOtherIsNotMultiplied) {
   SceneMaker maker;  // sheets as wide as the world, at other heights
   for (int i = 0; i < 500; ++i) maker.triangle({0, 0, i * 0.1}, {200, i * 0.1, i * 0.1}, {i * 0.1, 200, i * 0.1}, 0);
   maker.object(ObjectKind::kObject);
-  SnappedScene scene = snapped(std::move(maker.scene));
-  const ZoneTree tree = cut_zones(scene, 100);
+  const SnappedScene scene = snapped(std::move(maker.scene));
+  const ZoneTree tree = test::cut(scene, 100).tree;
   std::size_t faces = 0;
   for (const auto& zone : tree.zones) faces += zone.detail.faces.size();
   EXPECT_EQ(faces, scene.mesh.faces.size());
@@ -161,12 +159,11 @@ TEST(Cut, ZonesOfFewTrianglesAreSplitUntilTheirStepIsFine) {
     maker.triangle({x, x, 0}, {x + 10, x, 0}, {x, x, 10}, 1);
     maker.object(ObjectKind::kObject);
   }
-  SnappedScene scene = snapped(std::move(maker.scene));
-  SnappedScene again = scene;
+  const SnappedScene scene = snapped(std::move(maker.scene));
   EXPECT_EQ(leaf_step_shift(0.1, 1.0 / 256), 4U);
   EXPECT_EQ(leaf_step_shift(0.001, 1.0 / 256), 0U);
-  EXPECT_EQ(cut_zones(again, 4000).zones.size(), 1U);
-  const ZoneTree tree = cut_zones(scene, 4000, 3);
+  EXPECT_EQ(test::cut(scene, 4000).tree.zones.size(), 1U);
+  const ZoneTree tree = test::cut(scene, 4000, 3).tree;
   std::size_t houses = 0;
   for (const Zone& zone : tree.zones) {
     if (!zone.children.empty()) continue;
@@ -176,7 +173,7 @@ TEST(Cut, ZonesOfFewTrianglesAreSplitUntilTheirStepIsFine) {
   EXPECT_EQ(houses, 30U);
 }
 
-TEST(Cut, ZonesTellHowFarRoundedBordersLieOffTheGround) {
+TEST(Cut, ZonesStateHowFarRoundedBordersLieOffTheGround) {
   SceneMaker maker;  // a slope of 40 km, in triangles of 1.3 km
   const auto at = [](int i, int j) {
     return glm::dvec3(1303.7 * i, 1301.3 * j, 0.037 * 1303.7 * i + 0.011 * 1301.3 * j);
@@ -184,16 +181,17 @@ TEST(Cut, ZonesTellHowFarRoundedBordersLieOffTheGround) {
   for (int i = 0; i < 31; ++i)
     for (int j = 0; j < 31; ++j) maker.quad(at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1), 0);
   maker.object(ObjectKind::kGround);
-  SnappedScene scene = snapped(std::move(maker.scene));
+  const SnappedScene scene = snapped(std::move(maker.scene));
   const double snap = std::sqrt(0.75);
-  const ZoneTree tree = cut_zones(scene, 10);
+  const ZoneTree tree = test::cut(scene, 10).tree;
   double farthest = 0;
   double least_moved = std::numeric_limits<double>::infinity();
   for (const Zone& zone : tree.zones) {
     if (!zone.children.empty()) continue;
     double off = 0;
     for (const LatticePoint& p : zone.detail.vertices) {
-      const glm::dvec3 q(p[0] + scene.anchor[0], p[1] + scene.anchor[1], p[2] + scene.anchor[2]);
+      const glm::dvec3 q(p[0] + scene.lattice.anchor[0], p[1] + scene.lattice.anchor[1],
+                         p[2] + scene.lattice.anchor[2]);
       off = std::max(off, std::abs(0.037 * q.x + 0.011 * q.y - q.z) / std::sqrt(1 + 0.037 * 0.037 + 0.011 * 0.011));
     }
     EXPECT_LE(off, zone.moved[1] + snap);
@@ -202,6 +200,44 @@ TEST(Cut, ZonesTellHowFarRoundedBordersLieOffTheGround) {
   }
   EXPECT_GT(farthest, 20);     // steps: the case is hard
   EXPECT_LT(least_moved, 20);  // and only so where coarse borders are
+}
+
+TEST(Cut, APartOfACityIsCutAsTheWholeIs) {
+  SceneMaker maker;
+  maker.houses({0, 0, 0}, 24, 23.3);
+  const SnappedScene city = snapped(std::move(maker.scene));
+  const CellGrid grid = fit_cells(city, 100);
+  const auto zones_of = [&](const SnappedScene& scene) {
+    BakeContext context;
+    std::map<std::array<std::uint32_t, 3>, LatticeMesh> zones;
+    CutScene out = *cut_zones({scene, 100, 30, grid}, context);
+    for (Zone& zone : out.tree.zones)
+      if (zone.children.empty()) zones[{zone.depth, zone.cell_x, zone.cell_y}] = std::move(zone.detail);
+    return zones;
+  };
+  SnappedScene part = city;  // the first quarter's objects
+  part.objects.clear();
+  part.mesh.faces.clear();
+  const std::int64_t half = grid.cell_size(1);
+  for (SceneObject object : city.objects) {
+    LatticeBox box;
+    const auto first = city.mesh.faces.begin() + object.first_triangle;
+    const std::span faces(first, object.triangle_count);
+    for (const LatticeFace& face : faces)
+      for (const std::uint32_t v : face.v) box.add(city.mesh.vertices[v]);
+    if (box.min[0] + box.max[0] >= 2 * half || box.min[1] + box.max[1] >= 2 * half) continue;
+    object.first_triangle = static_cast<std::uint32_t>(part.mesh.faces.size());
+    part.mesh.faces.insert(part.mesh.faces.end(), faces.begin(), faces.end());
+    part.objects.push_back(object);
+  }
+  const auto whole = zones_of(city);
+  const auto quarter = zones_of(part);
+  EXPECT_GT(quarter.size(), 8U);
+  EXPECT_LT(quarter.size(), whole.size());
+  for (const auto& [cell, detail] : quarter) {
+    ASSERT_TRUE(whole.contains(cell));
+    EXPECT_EQ(whole.at(cell), detail);
+  }
 }
 
 }  // namespace

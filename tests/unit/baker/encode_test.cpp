@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/write/encode.h"
+#include "baker/encode/zone_glb.h"
 
 #include <draco/compression/decode.h>
 #include <draco/mesh/mesh.h>
@@ -11,6 +11,7 @@
 
 #include "baker/repair/snap.h"
 #include "streamer/world_format/bvh_page.h"
+#include "tests/unit/baker/stages.h"
 #include "tests/unit/baker/test_city.h"
 
 namespace zc {
@@ -63,7 +64,7 @@ void expect_round_trip(LatticeMesh mesh, std::uint32_t shift, std::span<const Ma
 }
 
 TEST(Encode, EveryTriangleAndMaterialComesBackExactly) {
-  auto scene = snap_scene(test::small_city(), -8);
+  auto scene = test::snap(test::small_city());
   ASSERT_TRUE(scene.ok());
   expect_round_trip(scene->mesh, 1, scene->materials);
   expect_round_trip(scene->mesh, 4, scene->materials);
@@ -96,7 +97,7 @@ TEST(Encode, MoreVerticesThanSixteenBitsCanNumber) {
 }
 
 TEST(Encode, TheGlbDeclaresWhatItUses) {
-  auto scene = snap_scene(test::small_city(), -8);
+  auto scene = test::snap(test::small_city());
   ASSERT_TRUE(scene.ok());
   round_to_step(scene->mesh, 2);
   auto zone = encode_zone_glb(scene->mesh, 2, scene->materials, 1.0 / 256);

@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "tests/unit/baker/stages.h"
 #include "tests/unit/baker/test_city.h"
 
 namespace zc {
@@ -39,10 +40,9 @@ void room(test::SceneMaker& maker, const glm::dvec3& high, double opening_m, boo
   maker.object(ObjectKind::kObject);
 }
 
-SnappedScene snapped(test::SceneMaker maker) {
-  Result<SnappedScene> scene = snap_scene(std::move(maker.scene), -8);
-  EXPECT_TRUE(scene.ok());
-  return *std::move(scene);
+Result<ExteriorScene> exterior_of(const test::SceneMaker& maker, unsigned threads = 2) {
+  BakeContext context(threads);
+  return drop_interior(test::snapped(maker.scene), context);
 }
 
 // Faces of every object that is left.
@@ -63,11 +63,10 @@ TEST(Exterior, OfABoxInABoxTheOuterOneStays) {
   closed_box(maker, {0, 0, 0}, {10, 10, 10});
   closed_box(maker, {4, 4, 4}, {6, 6, 6});
   for (const unsigned threads : {1U, 4U}) {
-    SnappedScene scene = snapped(maker);
-    const SnappedScene before = scene;
-    const auto dropped = drop_interior(scene, threads);
-    ASSERT_TRUE(dropped.ok()) << dropped.error().describe();
-    EXPECT_EQ(*dropped, 12U);
+    const Result<ExteriorScene> out = exterior_of(maker, threads);
+    ASSERT_TRUE(out.ok()) << out.error().describe();
+    EXPECT_EQ(out->dropped, 12U);
+    const SnappedScene& scene = out->scene;
     EXPECT_EQ(left(scene), (std::map<std::string, std::uint32_t>{{"0", 12}}));
     EXPECT_EQ(scene.mesh.vertices.size(), 8U);
     for (const LatticeFace& face : scene.mesh.faces)
@@ -83,10 +82,9 @@ TEST(Exterior, ARoomWithAnOpenWindowStaysAndSoDoesWhatStandsInIt) {
       test::SceneMaker maker;
       room(maker, {6, 5, 3}, opening_m, pane);
       closed_box(maker, {0.5, 3, 0.5}, {2, 4.5, 1.5});  // in a corner that the window does not face
-      SnappedScene scene = snapped(maker);
-      const auto dropped = drop_interior(scene, 2);
-      ASSERT_TRUE(dropped.ok());
-      EXPECT_EQ(*dropped, pane ? 12U : 0U) << opening_m;
+      const Result<ExteriorScene> out = exterior_of(maker);
+      ASSERT_TRUE(out.ok());
+      EXPECT_EQ(out->dropped, pane ? 12U : 0U) << opening_m;
     }
   }
 }
@@ -98,22 +96,21 @@ TEST(Exterior, WhatIsSeenRoundCornersStays) {
   maker.box({4, 3, 1}, {5, 4, 2});  // without its floor, half a metre above the room's
   maker.object(ObjectKind::kObject);
   closed_box(maker, {4.3, 3.3, 1.6}, {4.6, 3.6, 1.8});
-  SnappedScene scene = snapped(maker);
-  const auto dropped = drop_interior(scene, 2);
-  ASSERT_TRUE(dropped.ok());
-  EXPECT_EQ(*dropped, 0U);
+  const Result<ExteriorScene> out = exterior_of(maker);
+  ASSERT_TRUE(out.ok());
+  EXPECT_EQ(out->dropped, 0U);
 }
 
-// The lower one's wall stays too: its room and the street look at the same face of the higher one.
+// The lower one's wall stays too: its room and the street face the same wall of the higher one.
 TEST(Exterior, WallsBetweenBuildingsThatTouchGoUnlessAStripOfThemShows) {
   for (const double lower_m : {0.0, 0.1, 4.0}) {
     test::SceneMaker maker;
     closed_box(maker, {0, 0, 0}, {8, 8, 9});
     closed_box(maker, {8, 0, 0}, {16, 8, 9 - lower_m});
-    SnappedScene scene = snapped(maker);
-    ASSERT_TRUE(drop_interior(scene, 2).ok());
+    const Result<ExteriorScene> out = exterior_of(maker);
+    ASSERT_TRUE(out.ok());
     const std::uint32_t walls = lower_m == 0 ? 10 : 12;
-    EXPECT_EQ(left(scene), (std::map<std::string, std::uint32_t>{{"0", walls}, {"1", walls}})) << lower_m;
+    EXPECT_EQ(left(out->scene), (std::map<std::string, std::uint32_t>{{"0", walls}, {"1", walls}})) << lower_m;
   }
 }
 
@@ -121,10 +118,9 @@ TEST(Exterior, GroundStaysWhereverItIs) {
   test::SceneMaker maker;
   closed_box(maker, {0, 0, 0}, {10, 10, 10});
   closed_box(maker, {4, 4, 4}, {6, 6, 6}, ObjectKind::kGround);
-  SnappedScene scene = snapped(maker);
-  const auto dropped = drop_interior(scene, 2);
-  ASSERT_TRUE(dropped.ok());
-  EXPECT_EQ(*dropped, 0U);
+  const Result<ExteriorScene> out = exterior_of(maker);
+  ASSERT_TRUE(out.ok());
+  EXPECT_EQ(out->dropped, 0U);
 }
 
 }  // namespace

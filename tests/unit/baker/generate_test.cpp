@@ -51,7 +51,7 @@ std::filesystem::path fresh_folder(const std::string& name) {
   return dir;
 }
 
-// One city for all tests that only look.
+// One city for all tests that change nothing.
 class GeneratedCity : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -154,7 +154,7 @@ bool starts_with(const std::string& text, const char* prefix) { return text.rfin
 using Key = std::array<std::int64_t, 3>;
 Key key(glm::dvec3 p) { return {std::llround(p.x * 1000), std::llround(p.y * 1000), std::llround(p.z * 1000)}; }
 
-// Edges that do not meet exactly one edge that runs the other way, as pairs of millimetre positions.
+// Edges that do not match exactly one edge that runs the other way, as pairs of millimetre positions.
 std::vector<std::pair<Key, Key>> open_edges(const Object& o) {
   std::map<std::pair<Key, Key>, int> balance;
   for (const Triangle& t : o.triangles) {

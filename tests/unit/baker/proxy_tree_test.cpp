@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "tests/unit/baker/stages.h"
 #include "tests/unit/baker/test_city.h"
 
 namespace zc {
@@ -28,20 +29,18 @@ Built build_flat_ground(bool textured) {
     maker.triangle(low, low + x + y, low + y, 0);
   }
   maker.object(ObjectKind::kGround);
-  SnappedScene scene = *snap_scene(std::move(maker.scene), -8);
+  CutScene scene = test::cut(test::snapped(std::move(maker.scene)), kLeafTriangles);
   if (textured)
     for (Material& material : scene.materials) material.texture = SurfaceTexture{};
-  ZoneTree tree = cut_zones(scene, kLeafTriangles);
   Built out;
-  for (const Zone& zone : tree.zones) {
+  for (const Zone& zone : scene.tree.zones) {
     out.cut_leaves += zone.children.empty() ? 1 : 0;
     out.area += area_of(zone.detail);
   }
-  const std::vector<std::uint16_t> appearances = appearance_classes(scene.materials);
-  const SimplifyContext context = {nullptr, scene.materials, appearances, 1.0 / 256, 0.1, kLeafTriangles, textured};
-  BakeCache store;
-  ProxyCache cache(store, scene.materials.size());
-  out.proxies = *build_proxies(std::move(tree), context, cache, [] {});
+  BakeCache cache;
+  BakeContext context;
+  out.proxies = *build_proxies(
+      {std::move(scene.tree), scene.lattice.step_m(), 0.1, kLeafTriangles, textured, cache, scene.materials}, context);
   return out;
 }
 
@@ -56,7 +55,7 @@ TEST(ProxyTree, NeighboursWithSmallProxiesAreOneZone) {
     const ProxyNode& leaf = built.proxies.nodes[static_cast<std::size_t>(node.parent)];
     EXPECT_LE(leaf.proxy.mesh.faces.size(), kLeafTriangles);
     EXPECT_LE(leaf.proxy.error.max_m, 0.1);
-    EXPECT_LE(node.proxy.mesh.faces.size(), kDetailMostZones * kLeafTriangles);
+    EXPECT_LE(node.proxy.mesh.faces.size(), kDetailZonesLimit * kLeafTriangles);
     EXPECT_NEAR(area_of(leaf.proxy.mesh) / area_of(node.proxy.mesh), 1, 1e-3);
   }
   EXPECT_GE(built.cut_leaves, 32U);

@@ -10,6 +10,7 @@
 
 #include "baker/distance/lattice_distance.h"
 #include "baker/repair/face_edges.h"
+#include "tests/unit/baker/stages.h"
 #include "tests/unit/baker/test_city.h"
 
 namespace zc {
@@ -38,12 +39,11 @@ struct Repaired {
 
 Repaired repaired(Scene scene) {
   Repaired out;
-  auto snapped = snap_scene(std::move(scene), -8);
-  EXPECT_TRUE(snapped.ok());
-  out.scene = *std::move(snapped);
-  auto report = repair_scene(out.scene);
-  EXPECT_TRUE(report.ok());
-  out.report = *std::move(report);
+  BakeContext context;
+  auto repaired = repair_scene(test::snapped(std::move(scene)), context);
+  EXPECT_TRUE(repaired.ok());
+  out.scene = std::move(repaired->scene);
+  out.report = std::move(repaired->report);
   for (const ImportCount& count : out.report.counts) out.counts[count.what] = count.count;
   return out;
 }
@@ -78,10 +78,9 @@ TEST(Repair, SoundObjectsStayAsTheyAre) {
   closed_box(maker, {0, 0, 0}, {8, 6, 4});
   maker.object(ObjectKind::kObject);
   maker.terrain({20, 0, 0}, 8, 5.5);
-  auto snapped = snap_scene(Scene(maker.scene), -8);
-  ASSERT_TRUE(snapped.ok());
+  const SnappedScene snapped = test::snapped(maker.scene);
   const Repaired out = repaired(std::move(maker.scene));
-  EXPECT_EQ(out.scene.mesh, snapped->mesh);
+  EXPECT_EQ(out.scene.mesh, snapped.mesh);
   EXPECT_TRUE(out.report.counts.empty());
   EXPECT_EQ(out.report.open_edges, 4U * 8);
   EXPECT_EQ(out.report.border_error_m, 0);
@@ -112,9 +111,8 @@ TEST(Repair, FailsWhenNothingHasAnArea) {
   SceneMaker flat;
   flat.triangle({0, 0, 0}, {1, 0, 0}, {2, 0, 0}, 0);
   flat.object(ObjectKind::kObject);
-  auto snapped = snap_scene(std::move(flat.scene), -8);
-  ASSERT_TRUE(snapped.ok());
-  EXPECT_FALSE(repair_scene(*snapped).ok());
+  BakeContext context;
+  EXPECT_FALSE(repair_scene(test::snapped(std::move(flat.scene)), context).ok());
 }
 
 TEST(Repair, AClosedObjectFacesOutwardsHoweverItCame) {
@@ -172,7 +170,7 @@ TEST(Repair, AMoebiusStripIsCountedAndKeptWhole) {
 
 TEST(Repair, VerticesOnAnEdgeAreInsertedThere) {
   SceneMaker maker;
-  // One long triangle meets a row of short ones: seven vertices lie on its long side.
+  // One long triangle touches a row of short ones: seven vertices lie on its long side.
   const glm::dvec3 low(0), high(8, 0, 8);
   maker.triangle(low, high, {4, -5, 4}, 0);
   for (int i = 0; i < 8; ++i) {
@@ -289,7 +287,7 @@ TEST(Repair, SliversGoWhereTheirNeighboursCanMeet) {
   maker.triangle(a, b, {4, -6, 0}, 0);
   maker.triangle(n, a, {2, 5, 0}, 0);
   maker.triangle(b, n, {6, 5, 0}, 0);
-  maker.triangle(a, n, b, 0);  // no area: gone, and its neighbours meet
+  maker.triangle(a, n, b, 0);  // no area: gone, and its neighbours touch
   maker.object(ObjectKind::kObject);
   maker.triangle(a, {9, 3 * kStep, 0}, {9, 2 * kStep, 0.1}, 0);  // thin and alone: a wire
   maker.object(ObjectKind::kObject);

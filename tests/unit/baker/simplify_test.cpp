@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "baker/distance/hausdorff_bound.h"
@@ -14,6 +15,7 @@
 #include "baker/proxy/simplify.h"
 #include "baker/proxy/vertex_collapse.h"
 #include "baker/repair/manifold_fans.h"
+#include "tests/unit/baker/stages.h"
 #include "tests/unit/baker/test_city.h"
 
 namespace zc {
@@ -21,11 +23,7 @@ namespace {
 
 using test::SceneMaker;
 
-LatticeMesh mesh_of(Scene scene) {
-  auto snapped = snap_scene(std::move(scene), -8);
-  EXPECT_TRUE(snapped.ok());
-  return std::move(snapped->mesh);
-}
+LatticeMesh mesh_of(Scene scene) { return test::snapped(std::move(scene)).mesh; }
 
 std::vector<bool> unlocked(const LatticeMesh& mesh) { return std::vector<bool>(mesh.vertices.size(), false); }
 
@@ -176,6 +174,54 @@ TEST(VertexCollapse, BordersBetweenAppearancesStayUntilAppearancesAreTheSame) {
   EXPECT_EQ(collapse_vertices(grid, unlocked(grid), same, {2.0, 2, 0}).mesh.faces.size(), 2U);
 }
 
+// A floor of one row of tiles, whose neighbours are 64 classes apart: no set of 64 bits separates all of them.
+TEST(VertexCollapse, MoreThan64AppearancesKeepTheirPlaces) {
+  constexpr int kColours = 160;
+  SceneMaker maker;
+  maker.scene.materials.clear();
+  for (int i = 0; i < kColours; ++i)
+    maker.scene.materials.push_back({"", {0.09F * static_cast<float>(i % 10), 0.09F * static_cast<float>(i / 10), 0}});
+  const std::vector<std::uint16_t> appearances = appearance_classes(maker.scene.materials);
+  ASSERT_EQ(*std::ranges::max_element(appearances), kColours - 1);
+  const auto colour = [](int tile) { return static_cast<std::uint16_t>(tile / 2 + (tile % 2) * 64); };
+  constexpr int kTiles = 128;
+  for (int tile = 0; tile < kTiles; ++tile)
+    for (int x = 4 * tile; x < 4 * tile + 4; ++x)
+      maker.quad({x, 0, 0}, {x + 1, 0, 0}, {x + 1, 4, 0}, {x, 4, 0}, colour(tile));
+  maker.object(ObjectKind::kObject);
+  const LatticeMesh floor = mesh_of(std::move(maker.scene));
+  const LatticeMesh out = collapse_vertices(floor, unlocked(floor), appearances, {25.6, 2, 0}).mesh;
+  EXPECT_EQ(out.faces.size(), 2U * kTiles);
+  std::map<std::uint16_t, double> area;
+  for (const auto& face : out.faces) area[face.material] += face_area(out, face);
+  EXPECT_EQ(area.size(), std::size_t{kTiles});
+  for (const auto& [material, sum] : area) EXPECT_DOUBLE_EQ(sum, 16.0 * 256 * 256) << material;
+}
+
+TEST(Measure, TheNearestOfAnAppearanceIsOfNoOther) {
+  SceneMaker maker;
+  maker.quad({0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {0, 8, 0}, 0);
+  maker.quad({0, 0, 1}, {8, 0, 1}, {8, 8, 1}, {0, 8, 1}, 1);
+  maker.quad({0, 0, 2}, {8, 0, 2}, {8, 8, 2}, {0, 8, 2}, 2);
+  maker.object(ObjectKind::kObject);
+  const LatticeMesh mesh = mesh_of(std::move(maker.scene));
+  const std::array<std::uint16_t, 4> appearances = {7, 71, 135, 0};
+  const DistanceBvh bvh(mesh, appearances);
+  for (std::size_t m = 0; m < 3; ++m) {
+    const DistanceTriangle* found = nullptr;
+    double distance = INFINITY;
+    bvh.nearest({500, 500, 0}, appearances[m], 0, found, distance);
+    ASSERT_NE(found, nullptr);
+    EXPECT_EQ(found->appearance, appearances[m]);
+    EXPECT_EQ(distance, 256.0 * static_cast<double>(m));
+    EXPECT_TRUE(bvh.may_have(appearances[m]));
+  }
+  const AppearanceSet near = bvh.appearances_within({500, 500, 0}, 300, appearances[0]);
+  EXPECT_TRUE(near.has(7));
+  EXPECT_TRUE(near.has(71));
+  EXPECT_FALSE(near.has(135));
+}
+
 TEST(VertexCollapse, LockedVerticesAndTheEdgesBetweenThemStay) {
   const LatticeMesh grid = flat_grid(20, false);
   std::vector<bool> locked(grid.vertices.size());
@@ -259,7 +305,7 @@ TEST(TriangleCover, TheBoundHoldsAndIsTight) {
   const DistanceBvh bvh(terrain);
   const auto nearest = [&](const glm::dvec3& p, double& distance) {
     const DistanceTriangle* found = nullptr;
-    bvh.nearest(p, kEveryAppearance, 0, found, distance);
+    bvh.nearest(p, std::nullopt, 0, found, distance);
     return found;
   };
   LatticeMesh one;
@@ -408,8 +454,8 @@ TEST(Components, WhatIsLostFarFromAllElseGetsAStandIn) {
 }
 
 TEST(Simplify, ALeafKeepsItsErrorBound) {
-  SnappedScene scene = *snap_scene(test::small_city(), -8);
-  const ZoneTree tree = cut_zones(scene, 1000000);
+  const SnappedScene scene = test::snapped(test::small_city());
+  const ZoneTree tree = test::cut(scene, 1000000).tree;
   ASSERT_EQ(tree.zones.size(), 1U);
   const LatticeMesh& detail = tree.zones[0].detail;
   const DistanceBvh bvh(detail);
@@ -430,8 +476,8 @@ TEST(Simplify, TheRootReachesItsTargetWhateverItTakes) {
     maker.triangle({x, y, i % 7}, {x + 3, y, i % 5}, {x, y + 3, i % 3}, 2);
   }
   maker.object(ObjectKind::kGround);
-  SnappedScene scene = *snap_scene(std::move(maker.scene), -8);
-  const ZoneTree tree = cut_zones(scene, 1000000);
+  const SnappedScene scene = test::snapped(std::move(maker.scene));
+  const ZoneTree tree = test::cut(scene, 1000000).tree;
   const LatticeMesh& detail = tree.zones[0].detail;
   const DistanceBvh bvh(detail);
   const std::vector<std::uint16_t> appearances = appearance_classes(scene.materials);

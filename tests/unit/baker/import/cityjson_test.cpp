@@ -306,7 +306,7 @@ TEST_F(CityJson, TextureCoordinatesFollowTheirRings) {
   const auto wrong = import_text("wrong.json", document_of("[[[0,0,1,3]],[[null]]]"));
   ASSERT_FALSE(wrong.ok());
   EXPECT_NE(wrong.error().message.find("texture coordinate index 3 out of range"), std::string::npos);
-  for (const char* u : {"1e300", "-1e39", "1e10"}) {  // as a float: infinite, or too large to tell texels apart
+  for (const char* u : {"1e300", "-1e39", "1e10"}) {  // as a float: infinite, or too large to separate texels
     const auto huge = import_text("huge.json", document_of("[[[0,0,1,2]],[[null]]]", R"({"image":"two.png"})", u));
     ASSERT_TRUE(huge.ok()) << huge.error().describe();
     EXPECT_TRUE(huge->texcoords.empty()) << u;

@@ -485,5 +485,34 @@ TEST_F(Gltf, WrongReferencesAreErrors) {
   fails(R"("version":"2.0")", R"("version":"1.0")");
 }
 
+// glTF 1.0 keeps its lists as objects by name, need not name its version, and has a binary form of its own.
+TEST_F(Gltf, Version1IsNamedWithWhatConvertsIt) {
+  const auto refuses = [&](const std::string& name, std::string_view bytes, const std::string& version,
+                           const std::string& converter = "gltf-pipeline -i old.gltf -o new.glb") {
+    const auto scene = import_text(name, bytes);
+    ASSERT_FALSE(scene.ok()) << bytes;
+    const std::string message = scene.error().describe();
+    EXPECT_EQ(scene.error().code, ErrorCode::kUnsupported) << message;
+    for (const std::string& part : {name, "glTF version " + version, converter})
+      EXPECT_NE(message.find(part), std::string::npos) << "no '" << part << "' in: " << message;
+  };
+  const std::string lists = R"("accessors":{"a":{"bufferView":"b"}},"meshes":{"m":{"primitives":[]}})";
+  refuses("text.gltf", R"({"asset":{"version":"1.0"},)" + lists + "}", "1.0");
+  refuses("patch.gltf", R"({"asset":{"version":"1.0.1"},)" + lists + "}", "1.0.1");
+  refuses("number.gltf", R"({"asset":{"version":1},)" + lists + "}", "1");
+  refuses("fraction.gltf", R"({"asset":{"version":1.0},)" + lists + "}", "1.0");
+  refuses("unnamed.gltf", R"({"asset":{"generator":"x"},)" + lists + "}", "1.0");
+  refuses("bare.gltf", "{" + lists + "}", "1.0");
+  std::string binary = "glTF";
+  const std::string json = "{" + lists + "}";
+  for (const std::size_t word : {std::size_t{1}, 20 + json.size(), json.size(), std::size_t{0}}) {
+    const auto value = static_cast<std::uint32_t>(word);
+    binary.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  refuses("binary.glb", binary + json, "1.0");
+  for (const std::string version : {"3.0", "0.8"})
+    refuses("other.gltf", R"({"asset":{"version":")" + version + R"("}})", version, "only 2.0 is read");
+}
+
 }  // namespace
 }  // namespace zc::test

@@ -231,6 +231,10 @@ TEST_F(Tiles, WrongLengthsAndEarlyHeadersAreRefused) {
   expect_refused(json, "before version 1.0", "a.b3dm");
   write("a.b3dm", packed("b3dm", "", {0, 0, 0, 0}));
   expect_refused(json, "no GLB", "a.b3dm");
+  std::string old = good;
+  old[old.find("glTF") + 4] = 1;
+  write("a.b3dm", old);
+  expect_refused(json, "glTF version 1.0, only 2.0 is read; convert the tileset", "a.b3dm");
 }
 
 TEST_F(Tiles, CompositesGiveTheirModelsAndNoteTheRest) {

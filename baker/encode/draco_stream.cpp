@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/write/draco_stream.h"
+#include "baker/encode/draco_stream.h"
 
 #include <draco/compression/decode.h>
 #include <draco/compression/expert_encode.h>
@@ -30,7 +30,7 @@ constexpr std::array<Way, 4> kWays = {{{draco::MESH_EDGEBREAKER_ENCODING, 3, tru
                                        {draco::MESH_EDGEBREAKER_ENCODING, 5, true},
                                        {draco::MESH_EDGEBREAKER_ENCODING, 5, false}}};
 // At a vertex of n triangles edgebreaker goes through n^2 pairs of edges. In all, at most:
-constexpr std::uint64_t kPairsMost = 1U << 28U;
+constexpr std::uint64_t kPairsLimit = 1U << 28U;
 constexpr Way kLastResort = {draco::MESH_SEQUENTIAL_ENCODING, 3, true};
 
 using Corner = std::array<std::uint16_t, 3>;
@@ -196,7 +196,7 @@ Result<DracoStream> encode_draco(const QuantizedTriangles& mesh) {
     to_draco(mesh, source);
     const std::vector<Face> expected = canonical_faces(mesh);
     std::vector<std::vector<std::byte>> streams;
-    if (pairs_of_edges(mesh) <= kPairsMost)
+    if (pairs_of_edges(mesh) <= kPairsLimit)
       for (const Way& way : kWays)
         if (way.predict_colors || !mesh.colors.empty()) streams.push_back(try_encode(source, way));
     std::ranges::stable_sort(streams, {}, &std::vector<std::byte>::size);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/write/encode.h"
+#include "baker/encode/zone_glb.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <tuple>
 #include <utility>
 
-#include "baker/write/draco_stream.h"
+#include "baker/encode/draco_stream.h"
 #include "base/check.h"
 
 namespace zc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/proxy/left_out.h"
+#include "baker/write/left_out.h"
 
 #include <algorithm>
 

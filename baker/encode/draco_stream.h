@@ -24,7 +24,7 @@ struct DracoStream {
   std::vector<std::byte> bytes;
   std::uint32_t position_id = 0;
   std::uint32_t color_id = 0;     // with colours
-  std::uint32_t point_count = 0;  // as decoded: non-manifold vertices and those where colours meet are split
+  std::uint32_t point_count = 0;  // as decoded: non-manifold vertices and those between colours are split
   std::array<std::uint16_t, 3> min = {};
   std::array<std::uint16_t, 3> max = {};
   std::vector<std::uint32_t> order;  // for each triangle as decoded, which it is of the mesh
