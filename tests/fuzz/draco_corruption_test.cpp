@@ -8,7 +8,7 @@
 #include <optional>
 #include <random>
 
-#include "streamer/draco/draco_mesh.h"
+#include "streamer/draco/mesh.h"
 #include "streamer/world_format/bvh_page.h"
 #include "tests/unit/counted_memory.h"
 #include "tests/unit/streamer/draco_meshes.h"

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <span>
 
-#include "streamer/draco/draco_layout.h"
+#include "streamer/draco/layout.h"
 
 namespace zc {
 

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <span>
 
-#include "streamer/draco/draco_symbols.h"
+#include "streamer/draco/symbols.h"
 
 namespace zc {
 
