@@ -6,7 +6,7 @@
 // A world that changes while it is open never gives mixed bytes: every page's file is held against the index's hash;
 // ranges of an archive are conditional on the ETag it was opened with; and after a file that is missing or not as the
 // index says, the index (or the archive) is looked at again, so that the error says what happened. What may pass is
-// kTransient (http/client.h).
+// kTransient (retry_policy.h).
 //
 // With a cache, a page's file that was read once, of whatever world version, is not asked for again while it lies
 // there: its key holds the hash that the index asks for. What the index does not know goes by URL, ETag and range.
