@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// decode_zone_glb: GLB container, glTF JSON, Draco streams. Each layer's counts are held against the index's record
+// decode_zone_glb: GLB container, glTF JSON, Draco streams. Each layer's counts are compared with the index's record
 // before the next one takes memory; what the JSON parser throws ends here.
 #include <algorithm>
 #include <cstring>
@@ -107,7 +107,7 @@ class ZoneGlb {
     return layout;
   }
 
-  // What the streams say of themselves. Positions may be fewer than points: those are split where colours meet.
+  // What the streams say of themselves. Positions may be fewer than points: those are split where colours differ.
   struct Needs {
     std::uint32_t vertices = 0;
     std::uint64_t words = 0;

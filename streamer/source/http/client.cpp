@@ -150,7 +150,7 @@ class HttpClient::Impl {
     using Clock = Transfer::Clock;
     const auto timeout = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeout_s_));
     auto next = Clock::now() + std::chrono::seconds(1);
-    for (const auto& transfer : active_) next = std::min(next, transfer->last_look() + timeout);
+    for (const auto& transfer : active_) next = std::min(next, transfer->last_check() + timeout);
     const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(next - Clock::now()).count();
     return static_cast<int>(std::max<std::int64_t>(ms + 1, 0));
   }

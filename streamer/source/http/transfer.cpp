@@ -15,7 +15,7 @@ namespace {
 
 constexpr long kMostRedirects = 4;
 constexpr std::uint64_t kErrorBodyLimitBytes = 16 << 10U;  // read and dropped, so that the connection can be used again
-constexpr std::uint64_t kLeastBytes = 1024;                // between two looks; less is a stall
+constexpr std::uint64_t kLeastBytes = 1024;                // between two checks; less is a stall
 
 std::string range_header(const HttpRequest& request) {
   if (request.last_bytes > 0) return "-" + std::to_string(request.last_bytes);

@@ -2,7 +2,7 @@
 // One request on its way through libcurl: its handle, what has come of the answer, and the outcome that callers wait
 // for.
 // Owns: the handle and the answer. Threads: the client's thread alone until the outcome is published; wait(), cancel()
-// and cancelled() from any. Units: bytes, seconds. Untrusted input: what has come is held against ResponseRules.
+// and cancelled() from any. Units: bytes, seconds. Untrusted input: what comes is checked by ResponseRules.
 // Fails when: the connection does, the server stalls, or the answer breaks a rule; retry_policy.h says which may pass.
 #pragma once
 
@@ -38,9 +38,9 @@ class Transfer {
   void close();
   [[nodiscard]] CURL* handle() const { return handle_; }
 
-  // Whether less than 1 KiB has come since the last look timeout_s ago; sooner there is nothing to say.
+  // Whether less than 1 KiB has come in the timeout_s since the last check; sooner there is nothing to say.
   [[nodiscard]] bool stalled(double timeout_s);
-  [[nodiscard]] Clock::time_point last_look() const { return window_at_; }
+  [[nodiscard]] Clock::time_point last_check() const { return window_at_; }
   [[nodiscard]] std::uint64_t body_bytes() const { return body_bytes_; }
 
   // The outcome of a transfer that libcurl has ended.
