@@ -12,8 +12,8 @@
 #include <optional>
 #include <span>
 
-#include "streamer/draco/draco_layout.h"
-#include "streamer/draco/draco_mesh.h"
+#include "streamer/draco/layout.h"
+#include "streamer/draco/mesh.h"
 
 namespace zc {
 namespace {

@@ -56,7 +56,7 @@ std::string ServeMetrics::prometheus() const {
   for (const auto& [code, count] : requests_)
     out << "zonecast_http_requests_total{code=\"" << code << "\"} " << count << '\n';
   const auto kept = requests_.find(304);
-  line("cache_hits_total", "counter", "Requests whose copy still held (304).",
+  line("cache_hits_total", "counter", "Requests whose copy was still right (304).",
        kept == requests_.end() ? 0 : kept->second);
   line("sent_bytes_total", "counter", "Bytes sent, headers included.", bytes_);
   line("in_flight", "gauge", "Requests being answered.", in_flight_);

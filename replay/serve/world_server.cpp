@@ -79,7 +79,7 @@ void answer_file(const Request& request, Response& response, ServedFile found) {
   const auto file = std::make_shared<ServedFile>(std::move(found));
   response.set_header("ETag", file->etag());
   response.set_header("Accept-Ranges", "bytes");
-  response.set_header("Cache-Control", "no-cache");  // keep it, but ask whether it still holds
+  response.set_header("Cache-Control", "no-cache");  // keep it, but ask whether it is still right
   if (request.has_header("If-None-Match") && names_version(request.get_header_value("If-None-Match"), file->etag())) {
     response.status = 304;
     response.set_header("Content-Length", std::to_string(file->bytes()));
@@ -165,7 +165,7 @@ class WorldServer::Impl final : public httplib::Server {
       return HandlerResponse::Handled;
     });
     set_logger([](const Request&, const Response& response) { last_status_ = response.status; });
-    set_keep_alive_timeout(options_.times.idle_ms / 1000);  // as it is told; client_connection.h keeps it
+    set_keep_alive_timeout(options_.times.idle_ms / 1000);  // as clients are told
     set_keep_alive_max_count(100'000);
   }
 

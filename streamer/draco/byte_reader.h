@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads bytes in order. After the end everything is 0, and failed() says so for good.
+// Reads bytes in order. After the end everything is 0, and failed() is true for good.
 // Untrusted input. Threads: one at a time.
 #pragma once
 

@@ -30,7 +30,8 @@ Status check_name(const std::string& name);
 // Fails when these are not the bytes wanted.
 Status check_wanted(std::span<const std::byte> bytes, const WantedFile& file);
 
-// Files on their way; given up, with their memory, when it goes. Threads: wait() on one, cancel() from any.
+// Files on their way. An AsyncRead that goes cancels what has not come and frees their memory.
+// Threads: wait() on one, cancel() from any.
 class AsyncRead {
  public:
   AsyncRead() = default;
@@ -38,7 +39,7 @@ class AsyncRead {
   AsyncRead& operator=(const AsyncRead&) = delete;
   virtual ~AsyncRead() = default;
 
-  // Blocks until the i-th file is there; its size and its hash are as wanted. The bytes stay as long as the Reading.
+  // Blocks until the i-th file is there; its size and its hash are as wanted. The bytes stay as long as the AsyncRead.
   virtual Result<std::span<const std::byte>> wait(std::size_t i) = 0;
   // wait() returns soon, with an error if the bytes had not come.
   virtual void cancel() {}
@@ -62,7 +63,7 @@ struct SourceStatistics {
   std::uint64_t requests = 0;
   std::uint64_t failed = 0;          // of them
   std::uint64_t bytes_received = 0;  // without headers
-  std::uint64_t not_modified = 0;    // answers that a cached copy still holds
+  std::uint64_t not_modified = 0;    // answers that a cached copy is still right
   std::uint64_t cache_hits = 0;      // files for which nothing was asked
   std::uint64_t cache_damaged = 0;   // entries thrown away
 };
@@ -94,7 +95,7 @@ class Source {
 // Of sources behind a network.
 struct SourceOptions {
   std::filesystem::path cache;                  // folder for what was read, made when it is not there; empty: none
-  std::uint64_t cache_bytes = 1ULL << 30U;      // most that the cache may hold
+  std::uint64_t cache_bytes = 1ULL << 30U;      // most that the cache may take
   double timeout_s = 10;                        // to connect, and of silence
   std::uint64_t held_bytes_most = 1ULL << 30U;  // most that a source may keep in memory
 };

@@ -88,7 +88,7 @@ const char* check_header(const BvhFileHeader& header, const NodeRecord& node) {
       std::min<std::size_t>(node.appearance_bytes / sizeof(gpu::Appearance), kZoneAppearancesMax);
   if (!counts(gpu::kPageAppearances, header.appearance_count,
               std::min<std::size_t>(appearances_most, node.triangle_count)))
-    return "look count out of range";
+    return "appearance count out of range";
   const std::size_t curved_most = node.normal_bytes / sizeof(gpu::TriangleNormals);
   if (!counts(gpu::kPageNormals, header.curved_count, std::min<std::size_t>(curved_most, node.triangle_count)))
     return "number of curved triangles out of range";

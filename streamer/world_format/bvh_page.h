@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `.zbvh`: the BVH of one node, built on its decoded Draco mesh, which of that mesh's triangles its leaves hold and how
-// they look; and the page that both make.
+// `.zbvh`: the BVH of one node, built on its decoded Draco mesh, which of that mesh's triangles its leaves contain and
+// their appearance; and the page that both make.
 //
 //   BvhFileHeader | range-coded: tree (tree_code.h), trims, materials or appearances, light, normals
 //   (appearance_code.h)
@@ -11,7 +11,10 @@
 // of its first child node, triangle_offset the position of the first triangle of its leaves and cluster_offset the
 // number of their cluster, each 0 where there is none.
 //
-// Untrusted input. Thread-safe: plain values.
+// Units: steps of the zone, bytes. Thread-safe: plain values and functions without state. Deterministic.
+// Untrusted input: decoding compares every count with the index's record before it takes memory, and takes no more than
+// NodeRecord::scratch_bytes; nothing is read out of bounds.
+// Fails when: a file or a page does not follow its format or its record (kFormat). The encoder only takes sound input.
 #pragma once
 
 #include <array>
@@ -39,7 +42,7 @@ static_assert(sizeof(BvhFileHeader) == 24);
 
 inline constexpr std::uint32_t kZoneAppearancesMax = 65'536;
 
-// How a node's surface looks beyond one material a triangle. Every part may be empty.
+// A node's appearance beyond one material a triangle. Every part may be empty.
 struct ZoneAppearance {
   std::vector<gpu::Appearance> appearances;
   std::vector<std::uint16_t> appearance_of;   // per decoded triangle; the appearance's material is the triangle's
@@ -93,7 +96,8 @@ struct EncodedBvh {
 };
 
 // `mesh` is what decode_zone_glb gives, with materials for the encoder; the decoder gives it those. `node` has the
-// tree's counts and depth. Nodes and looks may come back in another order, the triangles of a leaf do so in the mesh's.
+// tree's counts and depth. Nodes and appearances may come back in another order, the triangles of a leaf do so in the
+// mesh's.
 EncodedBvh encode_bvh_file(const BvhFile& bvh, const ZoneMesh& mesh, const NodeRecord& node);
 Result<BvhFile> decode_bvh_file(std::span<const std::byte> bytes, ZoneMesh& mesh, const NodeRecord& node,
                                 const std::string& path);
@@ -110,7 +114,7 @@ Result<std::vector<std::uint32_t>> assemble_page(const ZoneMesh& mesh, const Bvh
 
 // Memory that decoding takes at a time (decode_zone_glb, decode_bvh_file and assemble_page, without the compressed
 // bytes and the page itself). A test measures it. The first reads it from the file and is what
-// NodeRecord::scratch_bytes holds: decoding refuses a file that asks for more; the second holds for any file of this
+// NodeRecord::scratch_bytes stores: decoding refuses a file that asks for more; the second bounds any file of this
 // size, for records with scratch_bytes 0. In both is the third, of all that follows decode_zone_glb, with the mesh;
 // until a bake knows the record's counts of the BVH it is too little.
 std::uint32_t decode_scratch_bytes(std::span<const std::byte> glb, const NodeRecord& node);

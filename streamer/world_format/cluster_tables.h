@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a cluster of a page numbers in 8 bits: its distinct vertices and, in a window of the page's palette, its
 // materials or appearances. Numbers go by first use. The baker closes a cluster where one of them is full; the loader
-// fills them again. Threads: one at a time.
+// fills them again. Units: lattice offsets. Threads: one at a time. Untrusted input: nothing is added beyond what 8
+// bits number.
 #pragma once
 
 #include <array>

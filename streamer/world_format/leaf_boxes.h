@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The boxes of a `.zbvh`'s nodes, which are not in the file: a leaf's is that of its triangles, a node's that of its
-// children. Where a leaf holds pieces of triangles that spatial splits cut, its box ends inside theirs, and the file
+// children. Where a leaf contains pieces of triangles that spatial splits cut, its box ends inside theirs, and the file
 // says how far. Units: steps of the zone. Thread-safe: no state.
+// Untrusted input: fit_boxes checks what the tree and its trims say; the tree's references must be in range before.
+// Fails when: a trim leaves nothing of a box, or a triangle leaves the lattice.
 #pragma once
 
 #include <array>
@@ -28,17 +30,16 @@ struct PieceOfTriangle {
   NodeBox box;
 };
 
-// A mask of slots for each node: the leaves that hold a triangle which is in others as well.
+// A mask of slots for each node: the leaves that contain a triangle which is in others as well.
 std::vector<std::uint8_t> leaves_with_pieces(const BvhFile& bvh);
 std::size_t count_leaves(std::span<const std::uint8_t> masks);
 
 LeafBox box_of_leaf(const BvhFile& bvh, const ZoneMesh& mesh, std::uint32_t node, std::uint32_t slot);
 
-// The least trim whose box, out of `whole`, still holds `part`.
+// The least trim whose box, out of `whole`, still contains `part`.
 LeafTrim trim_to(const LeafBox& whole, const LeafBox& part);
 
-// Fills the nodes' boxes. Everything else must be there, a trim for each of leaves_with_pieces among it. Fails where a
-// trim leaves nothing, or a triangle leaves the lattice.
+// Fills the nodes' boxes. Everything else must be there, a trim for each of leaves_with_pieces among it.
 Status fit_boxes(BvhFile& bvh, const ZoneMesh& mesh, const NodeRecord& record, const std::string& path);
 
 }  // namespace zc

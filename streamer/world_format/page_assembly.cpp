@@ -91,12 +91,12 @@ class PageAssembly {
   Status check_appearance() const {
     const std::size_t triangles = mesh_.triangles.size();
     if (appearance_.appearance_of.size() != (has_appearances() ? triangles : 0))
-      return fault("not every triangle has a look");
+      return fault("not every triangle has an appearance");
     for (std::size_t t = 0; t < appearance_.appearance_of.size(); ++t) {
       if (appearance_.appearance_of[t] >= appearance_.appearances.size())
-        return fault("a triangle's look is out of range");
+        return fault("a triangle's appearance is out of range");
       if ((appearance_.appearances[appearance_.appearance_of[t]].material & 0xFFFFU) != mesh_.materials[t])
-        return fault("a triangle's look has another material");
+        return fault("a triangle's appearance has another material");
     }
     if (!appearance_.light.empty() && appearance_.light.size() != triangles)
       return fault("not every triangle has light");
@@ -150,7 +150,7 @@ class PageAssembly {
     if (!all_fit()) {
       entries_ = std::move(before);
       close_window();
-      if (!all_fit()) return fault("a cluster has more than 256 materials or looks");
+      if (!all_fit()) return fault("a cluster has more than 256 materials or appearances");
     }
     window = static_cast<std::uint32_t>(palette_.size());
 
@@ -276,11 +276,11 @@ std::vector<PieceOfTriangle> triangles_in_pieces(const BvhFile& bvh, std::size_t
   return pieces;
 }
 
-// verify_page cannot ask of one piece of a split triangle that its box holds it all; together they must.
+// verify_page cannot ask of one piece of a split triangle that its box contains it all; together they must.
 Status check_split_boxes(std::span<const std::uint32_t> page, const BvhFile& bvh, std::size_t triangles,
                          const std::string& path) {
   const PageView view(page);
-  const auto holds = [&](const NodeBox& box, std::uint32_t position) {
+  const auto contains = [&](const NodeBox& box, std::uint32_t position) {
     return std::ranges::all_of(view.triangle(position).corners, [&](const PageView::Point& corner) {
       for (std::size_t axis = 0; axis < 3; ++axis)
         if (corner[axis] < box.min[axis] || corner[axis] > box.max[axis]) return false;
@@ -302,13 +302,13 @@ Status check_split_boxes(std::span<const std::uint32_t> page, const BvhFile& bvh
       for (std::uint32_t k = leaf_count(node, slot); k > 0; --k, ++at) {
         if (PieceOfTriangle* piece = piece_of(at))
           piece->box.add(box);
-        else if (!holds(box, at))
+        else if (!contains(box, at))
           return fault;
       }
     }
   }
   for (std::uint32_t at = 0; at < bvh.order.size(); ++at)
-    if (const PieceOfTriangle* piece = piece_of(at); piece != nullptr && !holds(piece->box, at)) return fault;
+    if (const PieceOfTriangle* piece = piece_of(at); piece != nullptr && !contains(piece->box, at)) return fault;
   return {};
 }
 
@@ -327,7 +327,7 @@ Result<std::vector<std::uint32_t>> assemble_page(const ZoneMesh& mesh, const Bvh
   ZC_TRY(verify_page(page, material_count, path));
   const PageView::Parts expected = {node.appearance_bytes, node.light_bytes, node.normal_bytes, node.texture_bytes};
   if (node.page_bytes != 0 && PageView(page).parts() != expected)
-    return Error{ErrorCode::kFormat, "the page has other looks than the index says", path};
+    return Error{ErrorCode::kFormat, "the page has other appearances than the index says", path};
   if (bvh.split) ZC_TRY(check_split_boxes(page, bvh, mesh.triangles.size(), path));
   return page;
 }

@@ -131,7 +131,7 @@ class PageCheck {
       at += words;
       position += triangles;
     }
-    if (at != header_.entries_offset_words) return fault("clusters and entries do not meet", at);
+    if (at != header_.entries_offset_words) return fault("the clusters do not end where the entries begin", at);
     if (position != header_.triangle_count) return fault("the clusters have another number of triangles", 3);
     return check_palette();
   }
@@ -144,9 +144,10 @@ class PageCheck {
       if (material >= material_count_) return fault("material out of range", word);
       if (!has_appearances()) continue;
       const std::uint32_t kind = page_[word] >> 16 & 3U;
-      if (kind > gpu::kAppearanceTextured || page_[word] >> 31 != 0) return fault("a look of unknown kind", word);
+      if (kind > gpu::kAppearanceTextured || page_[word] >> 31 != 0)
+        return fault("an appearance of unknown kind", word);
       if (kind == gpu::kAppearanceTextured && (header_.atlas_offset_words == 0 || (page_[word] >> 18 & 3U) > 2))
-        return fault("a look without its atlas", word);
+        return fault("an appearance without its atlas", word);
     }
     return {};
   }
@@ -177,7 +178,7 @@ class PageCheck {
     return {};
   }
 
-  // Children lie behind their parent and have no other, so that a visit in order meets every node after its parent.
+  // Children lie behind their parent and have no other, so that a visit in order reaches every node after its parent.
   Status check_children(std::uint32_t i, const gpu::PageNode& node) {
     const std::size_t word = PageView::node_word(i);
     const std::uint32_t inner = inner_mask(node);

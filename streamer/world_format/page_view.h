@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a page that verify_page has passed: the one place in C++ that knows how it keeps nodes and triangles.
-// Units: world lattice. Borrows the page. Thread-safe: no state.
+// Units: world lattice. Borrows the page. Thread-safe: no state. Untrusted input: none; a page that verify_page did not
+// pass may lead out of itself.
 #pragma once
 
 #include <algorithm>
@@ -102,7 +103,7 @@ class PageView {
     return cluster.first_triangle + n.triangle_offset - n.cluster_offset - gpu::kClusterHeaderWords;
   }
 
-  // What a page holds only where the zone needs it.
+  // What a page contains only where the zone needs it.
   struct Parts {
     std::uint32_t appearance_bytes = 0;
     std::uint32_t light_bytes = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What arrays take of the memory that a record promises for decoding. Thread-safe: pure.
+// What arrays take of the memory that a record promises for decoding. Units: bytes. Thread-safe: pure.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the sun stands, to a hundredth of a degree, so that a replay can tell whether it is the bake's. Thread-safe.
+// Where the sun stands, to a hundredth of a degree, so that a replay can compare it with the bake's. Units: degrees.
+// Thread-safe: plain values. Untrusted input: unpack() refuses what pack() does not give.
 #pragma once
 
 #include <cmath>
@@ -12,7 +13,7 @@ struct SunAngles {
   float azimuth_deg = 0;    // clockwise from north (+y)
   float elevation_deg = 0;  // 0..90 in a world
 
-  // As WorldHeader::sun holds it: never 0.
+  // As WorldHeader::sun stores it: never 0.
   [[nodiscard]] std::uint32_t pack() const {
     const long azimuth = std::lround(azimuth_deg * 100.0);
     const long elevation = std::lround(elevation_deg * 100.0);

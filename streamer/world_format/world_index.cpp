@@ -45,7 +45,7 @@ bool sane(float value) { return std::isfinite(value) && value >= 0.0F; }
 
 // Of a node: why it cannot be, or nothing.
 
-// Every node but the root lies in its parent's range, and the ranges hold one place for each, which `places` counts: so
+// Every node but the root lies in its parent's range, and the ranges have one place for each, which `places` counts: so
 // each node has exactly one parent, and that parent comes before it. `nodes`: up to this one, of `count`.
 const char* tree_fault(std::span<const NodeRecord> nodes, std::size_t count, std::uint64_t& places) {
   const std::size_t i = nodes.size() - 1;
@@ -89,7 +89,7 @@ const char* counts_fault(const NodeRecord& node) {
       (appearances > 0 ? kAppearanceFileBytesMost + kAppearanceFileBytesPerTriangle * node.triangle_count : 0);
   if (node.bvh_bytes < bvh_least || node.bvh_bytes > bvh_most || node.texture_bytes > kTextureBytesMost)
     return "BVH file size does not follow from its counts";
-  // What a page holds beside nodes and triangles depends on how the clusters share vertices; assembling it tells.
+  // What a page contains beside nodes and triangles depends on how the clusters share vertices: assembly checks that.
   const std::uint64_t words_least = std::uint64_t{gpu::kPageHeaderWords} +
                                     std::uint64_t{gpu::kPageNodeWords} * node.bvh_node_count +
                                     gpu::kClusterHeaderWords + gpu::kClusterEntryWords + node.reference_count;

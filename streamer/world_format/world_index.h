@@ -7,6 +7,7 @@
 // Untrusted input: decode_world_index checks every count, reference and range before anything is used.
 // Units: lattice units are steps of 2^step_log2 metres. World lattice positions are relative to `anchor`
 // (CRS position in metres = (anchor + position) * step). Thread-safe: plain values.
+// Fails when: a record contradicts another or its own counts, or a hash differs (kFormat, with the byte).
 #pragma once
 
 #include <algorithm>
@@ -45,8 +46,8 @@ struct WorldHeader {
 };
 static_assert(sizeof(WorldHeader) == 8 + 6 * 4 + 24 + 24 + 8 + 16);
 
-// A detail node holds the full-detail geometry under a leaf zone. The reflection streamer never asks for it; the host
-// (the G-buffer, the reference) does. It is the only child of its leaf zone.
+// A detail node has the full-detail geometry under a leaf zone. The reflection streamer never asks for it; whoever
+// draws full detail (the G-buffer, the reference) does. It is the only child of its leaf zone.
 inline constexpr std::uint32_t kNodeDetail = 1U;
 
 // Nodes are ordered so that parents come before children and siblings are contiguous; node 0 is the root.
@@ -74,9 +75,9 @@ struct NodeRecord {
   std::uint32_t page_bytes = 0;     // decoded GPU page
   std::uint32_t scratch_bytes = 0;  // upper bound of memory while decoding, without the page and the compressed bytes
   std::uint32_t primitive_count = 0;
-  // How far off the wrong colour a point can be: the largest distance, over samples where node and source look
-  // different, to where the appearance is right. At least as fine as the geometry's error when windows vanish in a flat
-  // wall.
+  // How far off the wrong colour a point can be: the largest distance, over samples where node and source
+  // look different, to where the appearance is right. At least as fine as the geometry's error when windows vanish in a
+  // flat wall.
   float appearance_error_m = 0;
   std::uint32_t reference_count = 0;  // triangles in leaves: at least triangle_count, more with spatial splits
   // Of page_bytes, what is there for the appearances only where the zone needs it.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// decode_zone_glb: GLB container, glTF JSON, Draco streams. Each layer's counts are held against the index's record
+// decode_zone_glb: GLB container, glTF JSON, Draco streams. Each layer's counts are compared with the index's record
 // before the next one takes memory; what the JSON parser throws ends here.
 #include <algorithm>
 #include <cstring>
@@ -9,8 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "streamer/draco/draco_layout.h"
-#include "streamer/draco/draco_mesh.h"
+#include "streamer/draco/layout.h"
+#include "streamer/draco/mesh.h"
 #include "streamer/world_format/bvh_page.h"
 #include "streamer/world_format/scratch_memory.h"
 
@@ -44,7 +44,7 @@ struct Primitive {
   std::span<const std::byte> draco;
 };
 
-// What comes out and what draco_mesh works in.
+// What comes out and what decode_draco works in.
 std::uint64_t mesh_scratch(std::uint64_t triangles, std::uint64_t vertices, std::uint64_t words) {
   return array_scratch<std::array<std::uint32_t, 3>>(triangles) +
          array_scratch<std::array<std::uint16_t, 3>>(vertices) + array_scratch<std::uint32_t>(words);
@@ -107,7 +107,7 @@ class ZoneGlb {
     return layout;
   }
 
-  // What the streams say of themselves. Positions may be fewer than points: those are split where colours meet.
+  // What the streams say of themselves. Positions may be fewer than points: those are split where colours differ.
   struct Needs {
     std::uint32_t vertices = 0;
     std::uint64_t words = 0;

@@ -31,9 +31,8 @@ class Bayreuth(support.Case):
                       *more)
         stats = support.read_stats(out)
         self.assertEqual(stats["frames"], self.FRAMES)
-        self.assertEqual(stats["frames_over_cap"], 0)
         self.assertEqual(stats["requests"]["failed"], 0)
-        self.assertLessEqual(stats["peak_ledger_bytes"], stats["cap_bytes"])
+        self.assert_memory_within_cap(stats)
         return stats
 
     def test_bakes_whole(self):
@@ -89,12 +88,9 @@ class BayreuthInSmallZones(support.Case):
             for world in self.worlds:
                 with self.subTest(share=share, world=str(world)):
                     stats = self.page(world, self.cap_for(world, cap))
-                    self.assertEqual(stats["frames_over_cap"], 0)
-                    self.assertLessEqual(stats["peak_ledger_bytes"], stats["cap_bytes"])
                     self.assertGreaterEqual(stats["wanted_level_fraction"], level)
                     self.assertLessEqual(stats["bytes_read"], 1.15 * stats["bytes_read_optimal"])
-                    held = stats["peak_rss_bytes"] - stats["baseline_rss_bytes"]
-                    self.assertLessEqual(held, 1.05 * cap + 4 * MIB)
+                    self.assert_memory_within_cap(stats)
                     logs.add(stats["event_log_xxh3"])
             self.assertEqual(len(logs), 1)
 
@@ -115,7 +111,6 @@ class Ingolstadt(support.Case):
                       "0:300:100", "--size", "640x360", "--validate", "-o", out)
         stats = support.read_stats(out)
         self.assertEqual(stats["rendered_frames"], 3)
-        self.assertEqual(stats["frames_over_cap"], 0)
         self.assertEqual(stats["validation_messages"], 0)
         self.assertEqual(stats["rays"]["lost"], 0)
         self.assertGreater(stats["rays"]["proxy"], 1000)

@@ -9,13 +9,24 @@
 #include <optional>
 #include <random>
 
+#include "baker/bvh/build_page.h"
 #include "streamer/world_format/page_view.h"
-#include "tests/fuzz/baked_pages.h"
+#include "tests/fuzz/fuzz_settings.h"
 #include "tests/fuzz/page_audit.h"
 #include "tests/unit/counted_memory.h"
+#include "tests/unit/streamer/tiny_world.h"
 
 namespace zc {
 namespace {
+
+constexpr std::uint32_t kMaterials = 5;
+
+struct Zone {
+  NodeRecord record;
+  std::vector<std::byte> bvh_file;
+  ZoneMesh mesh;  // without materials
+  std::vector<std::uint32_t> page;
+};
 
 class Bytes {
  public:
@@ -36,7 +47,7 @@ class Bytes {
         case 2:
           flip(bytes, coded, bytes.size());
           break;
-        case 3:  // what comes last: looks, light, materials
+        case 3:  // what comes last: appearances, light, materials
           flip(bytes, bytes.size() - 1 - below(40), bytes.size());
           break;
         case 4:
@@ -72,7 +83,7 @@ class Bytes {
   }
 
   // Well coded, but what it says is wrong.
-  std::vector<std::byte> forge(const test::BakedZone& zone) {
+  std::vector<std::byte> forge(const Zone& zone) {
     ZoneMesh mesh = zone.mesh;
     Result<BvhFile> decoded = decode_bvh_file(zone.bvh_file, mesh, zone.record, "b");
     EXPECT_TRUE(decoded.ok());
@@ -142,13 +153,17 @@ class Bytes {
   std::mt19937_64 random_;
 };
 
-// Gives a zone what this city has not: looks, normals here and there, an atlas.
-void dress(test::BakedZone& zone, std::vector<std::uint32_t>& page, std::uint32_t material_count) {
-  ZoneMesh mesh = zone.mesh;
-  Result<BvhFile> bvh = decode_bvh_file(zone.bvh_file, mesh, zone.record, "b");
-  ASSERT_TRUE(bvh.ok()) << bvh.error().describe();
-  ZoneAppearance& appearance = bvh->appearance;
-  for (std::uint32_t m = 0; m < material_count; ++m) {
+// Light that changes now and then from triangle to triangle.
+std::vector<gpu::TriangleLight> light_of(std::size_t triangles) {
+  std::vector<gpu::TriangleLight> light;
+  for (std::uint32_t t = 0; t < triangles; ++t)
+    light.push_back({0x40606080U + t / 9 * 0x05020301U, 0x2108421U * (t / 23) ^ t / 40 << 24U});
+  return light;
+}
+
+// Appearances, normals here and there, and an atlas.
+void add_appearances(const ZoneMesh& mesh, ZoneAppearance& appearance) {
+  for (std::uint32_t m = 0; m < kMaterials; ++m) {
     appearance.appearances.push_back({m | gpu::kAppearanceTextured << 16U | 2U << 18U | 1U << 20U, 0xFFFD0004U + m});
     appearance.appearances.push_back({m | gpu::kAppearanceColor << 16U, 0x00804020U + m});
   }
@@ -161,21 +176,26 @@ void dress(test::BakedZone& zone, std::vector<std::uint32_t>& page, std::uint32_
   appearance.atlas_size = AtlasShape{3, 2, 1}.pack();
   appearance.texels_per_step = 0.0625F;
   appearance.atlas = {0x07E0F800U, 0x1B1B1B1BU, 0xFFFF0000U, 0xE4E4E4E4U};
-  zone.record.page_bytes = 0;
-  Result<std::vector<std::uint32_t>> dressed = assemble_page(mesh, *bvh, zone.record, material_count, "b");
-  ASSERT_TRUE(dressed.ok()) << dressed.error().describe();
-  const PageView::Parts parts = PageView(*dressed).parts();
-  zone.record.page_bytes = static_cast<std::uint32_t>(4 * dressed->size());
-  zone.record.appearance_bytes = parts.appearance_bytes;
-  zone.record.light_bytes = parts.light_bytes;
-  zone.record.normal_bytes = parts.normal_bytes;
-  zone.record.texture_bytes = parts.texture_bytes;
-  zone.bvh_file = encode_bvh_file(*bvh, mesh, zone.record).bytes;
-  const Result<BvhFile> back = decode_bvh_file(zone.bvh_file, mesh, zone.record, "b");
-  ASSERT_TRUE(back.ok()) << back.error().describe();
-  const auto again = assemble_page(mesh, *back, zone.record, material_count, "b");
-  ASSERT_TRUE(again.ok()) << again.error().describe();
-  page = *again;
+}
+
+// Ground and loose triangles, as a bake would write them: a tree that splits triangles, materials in runs.
+Result<Zone> make_zone(std::uint32_t grid, std::uint32_t soup, std::uint32_t seed, bool has_appearances) {
+  Zone zone;
+  const test::TinyZone files = test::make_tiny_zone(grid, soup, 65535, seed, zone.record);
+  ZC_ASSIGN(ZoneMesh mesh, decode_zone_glb(files.glb, zone.record, "z"));
+  zone.mesh = mesh;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    mesh.materials.push_back(static_cast<std::uint16_t>(t / 12 * 7 % kMaterials));
+  ZoneAppearance appearance;
+  appearance.light = light_of(mesh.triangles.size());
+  if (has_appearances) add_appearances(mesh, appearance);
+  BvhBuildOptions options;
+  options.method = BvhMethod::kSbvh;
+  ZC_ASSIGN(const BuiltPage built, build_page(mesh, appearance, options, kMaterials, zone.record, "z"));
+  zone.bvh_file = encode_bvh_file(built.bvh, mesh, zone.record).bytes;
+  ZC_ASSIGN(const BvhFile back, decode_bvh_file(zone.bvh_file, mesh, zone.record, "z"));
+  ZC_ASSIGN(zone.page, assemble_page(mesh, back, zone.record, kMaterials, "z"));
+  return zone;
 }
 
 // Of a page, in no order: the corners of its triangles, each once.
@@ -189,22 +209,25 @@ std::vector<std::array<PageView::Point, 3>> triangles_of(std::span<const std::ui
 }
 
 TEST(CorruptBvhFile, IsAnErrorOrMakesASoundPageOfTheSameTriangles) {
-  Result<test::BakedPages> made = test::bake_pages(12, BvhMethod::kSbvh);
-  ASSERT_TRUE(made.ok()) << made.error().describe();
-  for (std::size_t z = 0; z < made->zones.size(); z += 2)
-    ASSERT_NO_FATAL_FAILURE(dress(made->zones[z], made->pages[z], made->material_count));
-  std::uint32_t flags = 0;  // every kind of page is there to damage
-  for (const auto& page : made->pages) flags |= PageView(page).header().flags;
-  ASSERT_EQ(flags, gpu::kPageFlags);
+  std::vector<Zone> zones;
   std::vector<std::vector<std::array<PageView::Point, 3>>> expected;
-  for (const auto& page : made->pages) expected.push_back(triangles_of(page));
+  std::uint32_t flags = 0;
+  for (const auto& [grid, soup] : {std::pair{1U, 0U}, {3U, 9U}, {8U, 0U}, {8U, 60U}, {12U, 30U}, {20U, 200U}})
+    for (const bool has_appearances : {false, true}) {
+      Result<Zone> zone = make_zone(grid, soup, grid + soup, has_appearances);
+      ASSERT_TRUE(zone.ok()) << zone.error().describe();
+      flags |= PageView(zone->page).header().flags;
+      expected.push_back(triangles_of(zone->page));
+      zones.push_back(*std::move(zone));
+    }
+  ASSERT_EQ(flags, gpu::kPageFlags);  // every kind of page is there to damage
   Bytes bytes(test::fuzz_seed());
   std::uint64_t undecoded = 0;
   std::uint64_t unassembled = 0;
   std::uint64_t accepted = 0;
   for (std::uint64_t i = 0; i < test::fuzz_tries(); ++i) {
-    const std::size_t z = bytes.below(made->zones.size());
-    const test::BakedZone& zone = made->zones[z];
+    const std::size_t z = bytes.below(zones.size());
+    const Zone& zone = zones[z];
     std::vector<std::byte> bad = bytes.below(4) == 0 ? bytes.forge(zone) : bytes.damage(zone.bvh_file);
     while (bad == zone.bvh_file) bad = bytes.damage(zone.bvh_file);
     // Half of the indices were forged with the file and describe what it says, whatever that is.
@@ -230,13 +253,13 @@ TEST(CorruptBvhFile, IsAnErrorOrMakesASoundPageOfTheSameTriangles) {
       record.bvh_depth = bvh->depth;
       record.reference_count = static_cast<std::uint32_t>(bvh->order.size());
     }
-    const auto page = assemble_page(mesh, *bvh, record, made->material_count, "b");
+    const auto page = assemble_page(mesh, *bvh, record, kMaterials, "b");
     if (!page.ok()) {
       ++unassembled;
       continue;
     }
     ++accepted;
-    const auto fault = test::PageAudit(*page, 4096, made->material_count).run();
+    const auto fault = test::PageAudit(*page, 4096, kMaterials).run();
     ASSERT_FALSE(fault.has_value()) << "try " << i << ": " << *fault;
     ASSERT_EQ(triangles_of(*page), expected[z]) << "try " << i;
   }

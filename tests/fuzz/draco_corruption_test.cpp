@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <optional>
 #include <random>
 
-#include "streamer/draco/draco_mesh.h"
+#include "streamer/draco/mesh.h"
 #include "streamer/world_format/bvh_page.h"
+#include "tests/fuzz/fuzz_settings.h"
 #include "tests/unit/counted_memory.h"
 #include "tests/unit/streamer/draco_meshes.h"
 #include "tests/unit/streamer/tiny_world.h"
@@ -17,12 +17,8 @@
 namespace zc {
 namespace {
 
-std::uint64_t setting(const char* variable, std::uint64_t fallback) {
-  const char* text = std::getenv(variable);
-  return text == nullptr ? fallback : std::strtoull(text, nullptr, 10);
-}
-std::uint64_t seed() { return setting("ZONECAST_FUZZ_SEED", 1); }
-std::uint64_t tries() { return setting("ZONECAST_FUZZ_TRIES", 10000); }
+using test::fuzz_seed;
+using test::fuzz_tries;
 
 class Damage {
  public:
@@ -82,11 +78,11 @@ TEST(CorruptDraco, IsRefusedOrGivesTrianglesOfItsOwnVerticesWithoutMemory) {
     }
   }
   ASSERT_GT(streams.size(), 60U);
-  Damage damage(seed());
+  Damage damage(fuzz_seed());
   std::uint64_t unread = 0;
   std::uint64_t refused = 0;
   std::uint64_t decoded = 0;
-  for (std::uint64_t i = 0; i < tries(); ++i) {
+  for (std::uint64_t i = 0; i < fuzz_tries(); ++i) {
     const Stream& stream = streams[damage.below(streams.size())];
     const std::vector<std::byte> bad = damage(stream.bytes, 11);
     DracoLayout layout;
@@ -104,9 +100,9 @@ TEST(CorruptDraco, IsRefusedOrGivesTrianglesOfItsOwnVerticesWithoutMemory) {
     ASSERT_TRUE(!ok || in_range(triangles, vertices.size())) << "try " << i;
     ++(ok ? decoded : refused);
   }
-  EXPECT_GT(unread, tries() / 50);
-  EXPECT_GT(refused, tries() / 50);
-  EXPECT_GT(decoded, tries() / 50);
+  EXPECT_GT(unread, fuzz_tries() / 50);
+  EXPECT_GT(refused, fuzz_tries() / 50);
+  EXPECT_GT(decoded, fuzz_tries() / 50);
 }
 
 TEST(CorruptZoneGlb, TakesNoMoreMemoryThanItsRecordSays) {
@@ -122,9 +118,9 @@ TEST(CorruptZoneGlb, TakesNoMoreMemoryThanItsRecordSays) {
       zone.files = test::make_tiny_zone(shape[0], shape[1], 65535, 3, zone.record, kind);
       zones.push_back(std::move(zone));
     }
-  Damage damage(seed());
+  Damage damage(fuzz_seed());
   std::uint64_t decoded = 0;
-  for (std::uint64_t i = 0; i < tries(); ++i) {
+  for (std::uint64_t i = 0; i < fuzz_tries(); ++i) {
     const Zone& zone = zones[damage.below(zones.size())];
     const std::vector<std::byte> bad = damage(zone.files.glb, 0);
     std::optional<Result<ZoneMesh>> mesh;
@@ -136,7 +132,7 @@ TEST(CorruptZoneGlb, TakesNoMoreMemoryThanItsRecordSays) {
     ASSERT_TRUE(in_range((*mesh)->triangles, (*mesh)->vertices.size())) << "try " << i;
   }
   EXPECT_GT(decoded, 0U);
-  EXPECT_LT(decoded, tries());
+  EXPECT_LT(decoded, fuzz_tries());
 }
 
 }  // namespace

@@ -1,58 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fetches over HTTP and HTTPS, several at once: connections are kept and shared, HTTP/2 is taken where TLS offers it.
 // Owns: one thread, which does all the network's work · threads: every method of HttpClient from any; a Download's
-// wait() from one, its cancel() from any · units: bytes, seconds · untrusted input: headers, sizes and redirects are
-// bounded, and a body never takes more memory than the request allows · fails when: kTransient where the same may work
-// later (no connection, resets, stalls, short bodies, 408, 429, 5xx), with the server's Retry-After; kIo where it will
-// not (404, bad certificates, ranges that are not served), to be asked again after the longest delay at the soonest.
-// Sources: RFC 9110 (ranges, conditional requests, Retry-After).
+// wait() from one, its cancel() from any · units: bytes, seconds · untrusted input: redirects are bounded, and so is
+// everything that response_rules.h counts · fails when: as retry_policy.h says, kTransient or kIo; kFormat where a
+// server sends more than the request allows.
 #pragma once
 
-#include <atomic>
-#include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "base/result.h"
+#include "streamer/source/http/request.h"
 
 namespace zc {
-
-struct HttpRange {
-  std::uint64_t first = 0;
-  std::uint64_t bytes = 0;  // at least 1
-};
-
-struct HttpRequest {
-  std::string url;
-  std::string name;                // what errors call it
-  bool head = false;               // no body
-  std::optional<HttpRange> range;  // a server that knows how long the file is may send less, at its end
-  std::uint64_t last_bytes = 0;    // instead of a range: so many at the file's end
-  std::string if_range = {};       // a strong ETag: all of a range is of that version, or nothing comes
-  std::string if_none_match = {};  // an ETag: status 304 when it still holds
-  std::uint64_t limit_bytes = 0;   // most that the body may have; of a range, its length
-};
-
-struct HttpAnswer {
-  int status = 0;                   // 200, 206 or 304
-  std::string etag, last_modified;  // as sent; empty without
-  std::uint64_t first_byte = 0;     // 206: of the body, in the file
-  std::uint64_t file_bytes = 0;     // of the whole file, where the answer tells; 0: it does not
-  std::vector<std::byte> body;
-};
-
-// Whether the ETag says that equal bytes come with it, and not only something that is as good.
-[[nodiscard]] bool strong_etag(std::string_view etag);
-
-// The URL as messages and keys may have it: without credentials and query.
-[[nodiscard]] std::string public_url(const std::string& url);
-
-// The URL of `name`, encoded, in the folder `url`; its query stays. Fails when `url` is none.
-Result<std::string> url_below(const std::string& url, const std::string& name);
 
 struct HttpCounts {
   std::uint64_t requests = 0;        // sent, or tried to
@@ -61,9 +21,13 @@ struct HttpCounts {
   std::uint64_t not_modified = 0;    // 304
 };
 
+class Transfer;
+
 class HttpClient {
+  class Impl;
+
  public:
-  // A fetch on its way; given up, with its memory, when it goes.
+  // A fetch on its way; cancelled, and its memory freed, when it goes.
   class Download {
    public:
     Download(Download&&) noexcept = default;
@@ -77,9 +41,9 @@ class HttpClient {
 
    private:
     friend class HttpClient;
-    struct State;
-    explicit Download(std::shared_ptr<State> state) : state_(std::move(state)) {}
-    std::shared_ptr<State> state_;
+    Download(Impl& client, std::shared_ptr<Transfer> transfer) : client_(&client), transfer_(std::move(transfer)) {}
+    Impl* client_;
+    std::shared_ptr<Transfer> transfer_;
   };
 
   // timeout_s: to connect, and for the silence after which a server counts as stalled.
@@ -93,7 +57,6 @@ class HttpClient {
   [[nodiscard]] HttpCounts counts() const;
 
  private:
-  class Impl;
   explicit HttpClient(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "streamer/source/archive_index.h"
+#include "streamer/source/http/response_rules.h"
+#include "streamer/source/http/web_address.h"
 #include "streamer/source/http/web_world.h"
 #include "streamer/source/retry.h"
 #include "streamer/world_format/world_index.h"

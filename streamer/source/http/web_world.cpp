@@ -4,6 +4,8 @@
 #include <deque>
 #include <utility>
 
+#include "streamer/source/http/response_rules.h"
+#include "streamer/source/http/web_address.h"
 #include "streamer/source/retry.h"
 
 namespace zc {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What folders and archives on a web server have in common: the client, the cache, readings, and the watch over the
+// What folders and archives on a web server have in common: the client, the cache, async reads, and the watch over the
 // version that was opened. Threads: as streamer/source.h says.
 #pragma once
 

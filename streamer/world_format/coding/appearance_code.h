@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a `.zbvh` codes what its triangles look like, in the order of the decoded mesh: neighbours mostly look alike, and
-// what is told at a vertex (light, normals) is told again by the next triangle there.
+// How a `.zbvh` codes the appearance of its triangles, in the order of the decoded mesh: neighbours mostly look alike,
+// and what is stored for a vertex (light, normals) comes again with the next triangle there.
 // Each part has a coder of its own, so that only the models of one are in memory at a time.
-// Untrusted input: counts are held against the header's.
+// Untrusted input: counts are compared with the header's, and a symbol is always in its range. Borrows the coder.
+// Threads: one at a time. Fails when: the appearances or curved triangles are more or fewer than the header says.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +22,7 @@ class MaterialCode {
  public:
   explicit MaterialCode(Coder& coder) : coder_(coder) {}
 
-  // The triangles' materials: mostly as before, else by how many others were met since, else by number.
+  // The triangles' materials: mostly as before, else by how many others came since, else by number.
   void run(std::vector<std::uint16_t>& of, std::size_t triangles) {
     if (!Coder::kEncodes) of.resize(triangles);
     std::vector<std::uint16_t> recent;  // the latest first
@@ -89,14 +90,14 @@ class AppearanceCode {
         std::uint32_t fresh = number == known ? 1 : 0;
         if (t > 0) coder_.bit(fresh_appearance_, fresh);
         if (t == 0 || fresh != 0) {
-          if (known == header.appearance_count) return "more looks than the header says";
+          if (known == header.appearance_count) return "more appearances than the header says";
           number = known++;
           if (!Coder::kEncodes) appearance.appearances.emplace_back();
           code_appearance(appearance.appearances[number]);
         } else {
           std::uint32_t back = known - 1 - number;
-          look_back_.code(coder_, back);
-          if (back >= known) return "a triangle's look is out of range";
+          steps_back_.code(coder_, back);
+          if (back >= known) return "a triangle's appearance is out of range";
           number = known - 1 - back;
         }
       } else {
@@ -106,7 +107,7 @@ class AppearanceCode {
       last = number;
       appearance.appearance_of[t] = static_cast<std::uint16_t>(number);
     }
-    return known == header.appearance_count ? nullptr : "fewer looks than the header says";
+    return known == header.appearance_count ? nullptr : "fewer appearances than the header says";
   }
 
  private:
@@ -133,7 +134,7 @@ class AppearanceCode {
   Coder& coder_;
   std::array<Bit, 2> same_appearance_;
   Bit fresh_appearance_;
-  Number look_back_;
+  Number steps_back_;
   Symbol<8> material_low_;
   Symbol<8> material_high_;
   Symbol<7> appearance_kind_;
@@ -195,7 +196,7 @@ class LightCode {
     std::uint32_t known_before = 0;
     std::uint32_t before = guess;
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t other = place.met[k];
+      const std::uint32_t other = place.at_corner[k];
       std::uint32_t value = sky >> (8 * k) & 0xFFU;
       std::uint32_t same = 0;
       if (other != LightOrder::kNone) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which earlier triangle of a zone a triangle is most likely lit as: the last one that met it at a corner and faces the
-// same way, else the last one that faces the same way. What a `.zbvh` tells about light is told relative to it.
+// Which earlier triangle of a zone a triangle is most likely lit as: the last one that shares a corner with it and
+// faces the same way, else the last one that faces the same way. What a `.zbvh` stores of light is relative to it.
 // Borrows the mesh. Threads: one at a time.
 #pragma once
 
@@ -34,14 +34,14 @@ class LightOrder {
   // Before `add(triangle)`.
   struct Place {
     std::uint32_t facing;
-    std::uint32_t neighbour;           // or kNone
-    bool is_near;                      // they share a corner
-    std::array<std::uint32_t, 3> met;  // at each corner the last one that faces the same way, or kNone
+    std::uint32_t neighbour;                 // or kNone
+    bool is_near;                            // they share a corner
+    std::array<std::uint32_t, 3> at_corner;  // at each corner the last one that faces the same way, or kNone
   };
   [[nodiscard]] Place place(std::uint32_t triangle) const {
     Place at{facing_of(triangle), kNone, false, {}};
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t other = at.met[k] = met(kFacings * mesh_.triangles[triangle][k] + at.facing);
+      const std::uint32_t other = at.at_corner[k] = last_at(kFacings * mesh_.triangles[triangle][k] + at.facing);
       if (other != kNone) at.neighbour = at.is_near ? std::max(at.neighbour, other) : other;
       at.is_near = at.is_near || other != kNone;
     }
@@ -70,7 +70,7 @@ class LightOrder {
   static constexpr std::uint32_t kFacings = 6;
 
   static bool is_narrow(std::uint64_t triangles) { return triangles < 1U << 16U; }
-  [[nodiscard]] std::uint32_t met(std::size_t at) const { return (wide_.empty() ? narrow_[at] : wide_[at]) - 1; }
+  [[nodiscard]] std::uint32_t last_at(std::size_t at) const { return (wide_.empty() ? narrow_[at] : wide_[at]) - 1; }
 
   // The axis that its normal is nearest to, and the sign.
   [[nodiscard]] std::uint32_t facing_of(std::uint32_t triangle) const {

@@ -3,7 +3,7 @@
 // interface, so that one function, with the coder as a template parameter, writes a format and reads it.
 // Sources: Martin 1979, "Range encoding: an algorithm for removing redundancy from a digitised message"; the carry as
 // in LZMA (Pavlov); two rates of adaption mixed as in AV1 and lpaq. Untrusted input: a decoder past the end reads zeros
-// and says so afterwards; a symbol is always in its range. Threads: one at a time.
+// and reports so afterwards; a symbol is always in its range. Threads: one at a time.
 #pragma once
 
 #include <algorithm>

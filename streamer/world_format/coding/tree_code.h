@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a `.zbvh` codes its tree: from the root down, in which slot of a node each triangle goes, in the order of the
-// decoded mesh. That gives the tree, what its leaves hold and the page's order of triangles at once, and no triangle is
-// left out or comes too often. Boxes follow from the triangles (fit_boxes). A slot is likely the one of the triangle
+// decoded mesh. That gives the tree, what its leaves contain and the page's order of triangles at once, and no triangle
+// is left out or comes too often. Boxes follow from the triangles (fit_boxes). A slot is likely the one of the triangle
 // before, for the decoder's order goes from neighbour to neighbour, and the one of the octant that the triangle lies
-// in. Untrusted input: the record bounds nodes, references and depth.
+// in. Borrows the coder, the mesh, the record and the tree to encode. Threads: one at a time. Untrusted input: the
+// record bounds nodes, references and depth. Fails when: the tree has more of them.
 #pragma once
 
 #include <algorithm>
@@ -91,7 +92,7 @@ class TreeCode {
     return nullptr;
   }
 
-  // Nodes are numbered as a visit allots them: a node's children in turn when it is met, the first child's subtree
+  // Nodes are numbered as a visit allots them: a node's children in turn when it is reached, the first child's subtree
   // first.
   BvhFile take() && { return std::move(out_); }
 

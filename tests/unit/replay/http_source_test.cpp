@@ -15,6 +15,7 @@
 #include "streamer/paging/memory_plan.h"
 #include "streamer/paging/page_loader.h"
 #include "streamer/source/http/client.h"
+#include "streamer/source/http/web_address.h"
 #include "streamer/streamer.h"
 #include "tests/unit/streamer/tiny_world.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // decode_draco against libdraco, bit by bit.
-#include "streamer/draco/draco_mesh.h"
+#include "streamer/draco/mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ struct Seen {
     ++streams;
     colored += has_colors ? 1 : 0;
     (layout.corrections.tagged ? tagged : raw) += 1;
-    large_tables += layout.corrections.table_entries() > 0 ? 1 : 0;
+    large_tables += layout.corrections.table_words() > 0 ? 1 : 0;
     if (!layout.edgebreaker) {
       (layout.coded_indices ? coded_indices : plain_indices) += 1;
       return;

@@ -111,7 +111,8 @@ TEST(Streamer, event_log_is_the_same_at_any_thread_count) {
   }
 }
 
-TEST(Streamer, never_exceeds_its_cap_and_always_covers_the_world) {
+// What it takes of memory: paging_memory_test.cpp.
+TEST(Streamer, at_any_cap_always_covers_the_world_with_whole_pages) {
   std::uint64_t evicted = 0;
   std::uint64_t compacted = 0;
   std::uint64_t cancelled = 0;
@@ -124,8 +125,6 @@ TEST(Streamer, never_exceeds_its_cap_and_always_covers_the_world) {
     SelectionTrace trace(1 << 20U);
     (*streamer)->observe(trace);
     ASSERT_TRUE(drive(**streamer, [&](int f) {
-                  const StreamerStatistics s = (*streamer)->statistics();
-                  ASSERT_LE(s.frame.ledger_bytes, options.cap_bytes);
                   if (f % 10 == 0) check_cut(**streamer, sink);
                 }).ok());
     // To and fro, faster than pages come.
@@ -135,8 +134,6 @@ TEST(Streamer, never_exceeds_its_cap_and_always_covers_the_world) {
       check_cut(**streamer, sink);
     }
     const StreamerStatistics s = (*streamer)->statistics();
-    EXPECT_LE(s.ledger.peak_bytes, options.cap_bytes);
-    EXPECT_EQ(s.frames_over_cap, 0U);
     EXPECT_EQ(s.frames, static_cast<std::uint64_t>(kFrames + 40));
     EXPECT_EQ(s.requests.issued, s.requests.completed + s.requests.cancelled + s.requests.failed + s.frame.in_flight);
     EXPECT_LE(s.max_in_flight, 6U);
@@ -332,7 +329,7 @@ TEST(Streamer, on_a_wall_clock_settling_waits_for_every_selected_node) {
   EXPECT_EQ(s.frame.in_flight, 0U);
 }
 
-TEST(Streamer, on_a_wall_clock_stays_under_its_cap_while_it_cancels) {
+TEST(Streamer, on_a_wall_clock_covers_the_world_while_it_cancels) {
   MemorySource source(world().files);
   HeapPageSink sink;
   StreamerOptions options = options_for(cap_for(0.8));
@@ -343,8 +340,7 @@ TEST(Streamer, on_a_wall_clock_stays_under_its_cap_while_it_cancels) {
     ASSERT_TRUE(drive(**streamer, [&](int f) {
                   if (f % 40 == 0) check_cut(**streamer, sink);
                 }).ok());
-  EXPECT_EQ((*streamer)->statistics().frames_over_cap, 0U);
-  EXPECT_LE((*streamer)->statistics().ledger.peak_bytes, options.cap_bytes);
+  EXPECT_GT((*streamer)->statistics().requests.cancelled, 0U);
 }
 
 TEST(Streamer, pages_from_a_directory_and_detail_on_demand) {

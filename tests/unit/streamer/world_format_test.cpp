@@ -226,7 +226,7 @@ TEST(Page, check_finds_wrong_boxes_references_depths_and_materials) {
     return !verify_page(page, 2, "p").ok();
   };
   EXPECT_TRUE(refused(0, 0));            // magic
-  EXPECT_TRUE(refused(1, 2));            // looks that are not there
+  EXPECT_TRUE(refused(1, 2));            // appearances that are not there
   EXPECT_TRUE(refused(1, 4));            // light that is not there
   EXPECT_TRUE(refused(1, 16));           // unknown flags
   EXPECT_TRUE(refused(2, good[2] - 1));  // a node more than it says

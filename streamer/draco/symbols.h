@@ -101,11 +101,9 @@ class RansBits {
 // Symbols of one alphabet, or as many bits each as a symbol before says.
 class DracoSymbols {
  public:
-  struct Entry {
-    std::uint32_t below;  // sum of the frequencies of the symbols before
-    std::uint32_t symbol;
-  };
   static constexpr std::uint32_t kSmall = 33;  // alphabets up to this need no memory
+  // An entry of a table: the sum of the frequencies of the symbols before, and the symbol.
+  static constexpr std::uint32_t kEntryWords = 2;
 
   struct Block {
     bool tagged = false;
@@ -116,13 +114,15 @@ class DracoSymbols {
     std::span<const std::byte> data;
     std::span<const std::byte> bits;  // of tagged ones
 
-    [[nodiscard]] std::uint32_t table_entries() const { return used <= kSmall ? 0 : used + 1; }
+    [[nodiscard]] std::uint64_t table_words() const {
+      return used <= kSmall ? 0 : kEntryWords * (std::uint64_t{used} + 1);
+    }
   };
   // `count` symbols, in groups that share a tag. Takes no memory.
   static Block skip(ByteReader& in, std::uint64_t count, unsigned group);
 
-  // `table` has room for block.table_entries(). False for a damaged block.
-  bool start(const Block& block, std::span<Entry> table = {});
+  // `table` has room for block.table_words(). False for a damaged block.
+  bool start(const Block& block, std::span<std::uint32_t> table = {});
   template <std::size_t kGroup>
   std::array<std::uint32_t, kGroup> read() {
     std::array<std::uint32_t, kGroup> out{};
@@ -140,10 +140,10 @@ class DracoSymbols {
   std::uint32_t next() {
     state_.refill();
     const std::uint32_t place = state_.value & ((1U << precision_bits_) - 1);
-    const Entry* at = table_.data() + first_[place >> bucket_shift_];
-    while (at[1].below <= place) ++at;
-    state_.value = (state_.value >> precision_bits_) * (at[1].below - at->below) + place - at->below;
-    return at->symbol;
+    const std::uint32_t* at = table_.data() + first_[place >> bucket_shift_];
+    while (at[kEntryWords] <= place) at += kEntryWords;
+    state_.value = (state_.value >> precision_bits_) * (at[kEntryWords] - at[0]) + place - at[0];
+    return at[1];
   }
 
   static constexpr unsigned kBucketBits = 9;
@@ -152,9 +152,10 @@ class DracoSymbols {
   unsigned bucket_shift_ = 0;
   RansState state_;
   DracoBits bits_;
-  std::span<Entry> table_;
-  std::array<Entry, kSmall + 1> small_{};
-  std::array<std::uint32_t, 1U << kBucketBits> first_{};  // by the leading bits of a place: the entry that it is in
+  std::span<std::uint32_t> table_;
+  std::array<std::uint32_t, kEntryWords*(kSmall + 1)> small_{};
+  // By the leading bits of a place: where the entry begins that it is in.
+  std::array<std::uint32_t, 1U << kBucketBits> first_{};
 };
 
 }  // namespace zc

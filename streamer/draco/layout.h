@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the parts of a Draco mesh stream lie and what it takes to decode its positions, told by the stream alone and
+// Where the parts of a Draco mesh stream lie and what it takes to decode its positions, by the stream alone and
 // without memory: what comes before them (colours) is only skipped, what comes behind is not looked at.
 // Borrows the stream. Untrusted input. Thread-safe: pure.
 // Source: Draco bitstream 2.2, "Draco Decoder", "EdgeBreaker Decoder", "Sequential Decoder", "Attributes Decoder",
@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <span>
 
-#include "streamer/draco/draco_symbols.h"
+#include "streamer/draco/symbols.h"
 
 namespace zc {
 

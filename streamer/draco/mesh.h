@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes the triangles and positions of a Draco mesh stream, in the order in which draco gives them, in memory that
-// the stream's layout tells before: about 16 bytes a triangle and 4 a position beyond what comes out.
-// Untrusted input. Thread-safe: no state.
+// the stream's layout gives before: about 16 bytes a triangle and 4 a position beyond what comes out.
+// Borrows everything. Untrusted input: a damaged stream is refused, or gives triangles of its own vertices.
+// Thread-safe: no state.
 // Source: Draco bitstream 2.2, "Prediction Decoder", "Prediction Parallelogram Decoder", "Prediction Multi
 // Parallelogram Decoder", "Prediction Wrap Transform"; draco 1.5.5 for sequential indices.
 #pragma once
@@ -10,7 +11,7 @@
 #include <cstdint>
 #include <span>
 
-#include "streamer/draco/draco_layout.h"
+#include "streamer/draco/layout.h"
 
 namespace zc {
 

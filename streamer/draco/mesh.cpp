@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "streamer/draco/draco_mesh.h"
+#include "streamer/draco/mesh.h"
 
 #include <algorithm>
-#include <cstring>
+#include <cstddef>
 
-#include "streamer/draco/draco_connectivity.h"
+#include "streamer/draco/connectivity.h"
 
 namespace zc {
 namespace {
@@ -20,15 +20,15 @@ std::int32_t signed_of(std::uint32_t symbol) {
 class Positions {
  public:
   // The last two are empty where predictions need no neighbours.
-  Positions(const DracoLayout& layout, std::span<std::array<std::uint16_t, 3>> values,
-            std::span<const std::uint32_t> corners, std::span<const std::uint32_t> opposites)
+  Positions(const DracoLayout& layout, std::span<std::array<std::uint16_t, 3>> values, ConstVertexOfCorner corners,
+            WordOfCorner opposites)
       : layout_(layout),
         values_(values),
         corners_(corners),
         opposites_(opposites),
-        steps_left_(2 * corners.size() + 2 * values.size()) {}
+        steps_left_(6 * std::uint64_t{corners.triangle_count()} + 2 * values.size()) {}
 
-  bool decode(std::span<const std::uint32_t> corner_of_value, std::span<DracoSymbols::Entry> table) {
+  bool decode(std::span<const std::uint32_t> corner_of_value, std::span<std::uint32_t> table) {
     using Prediction = DracoLayout::Prediction;
     DracoSymbols corrections;
     if (!corrections.start(layout_.corrections, table)) return false;
@@ -129,69 +129,70 @@ class Positions {
 
   const DracoLayout& layout_;
   std::span<std::array<std::uint16_t, 3>> values_;
-  std::span<const std::uint32_t> corners_;
-  std::span<const std::uint32_t> opposites_;
+  ConstVertexOfCorner corners_;
+  WordOfCorner opposites_;
   std::array<RansBits, DracoLayout::kParallelogramsMost> creases_;
   std::array<std::uint32_t, DracoLayout::kParallelogramsMost> creases_left_{};
   std::uint64_t steps_left_;  // around vertices: each corner belongs to one
 };
 
-std::span<DracoSymbols::Entry> table_in(std::span<std::uint32_t> words) {
-  static_assert(sizeof(DracoSymbols::Entry) == 2 * sizeof(std::uint32_t));
-  return {reinterpret_cast<DracoSymbols::Entry*>(words.data()), words.size() / 2};
-}
+using Triangles = std::span<std::array<std::uint32_t, 3>>;
 
 bool decode_edgebreaker(const DracoLayout& layout, std::span<std::array<std::uint16_t, 3>> vertices,
-                        std::span<std::uint32_t> corners, std::span<std::uint32_t> words) {
-  const std::span<std::uint32_t> opposites = words.first(corners.size());
-  const std::size_t last = std::max<std::size_t>(layout.vertices, 2 * layout.corrections.table_entries());
-  const std::span<std::uint32_t> middle = words.subspan(corners.size(), words.size() - corners.size() - last);
+                        Triangles triangles, std::span<std::uint32_t> words) {
+  const std::span<std::uint32_t> first = words.first(3 * triangles.size());
+  const std::size_t last = std::max<std::uint64_t>(layout.vertices, layout.corrections.table_words());
+  const std::span<std::uint32_t> middle = words.subspan(first.size(), words.size() - first.size() - last);
   const std::span<std::uint32_t> behind = words.last(last);
-  const std::span<std::uint8_t> bytes(reinterpret_cast<std::uint8_t*>(middle.data()), 4 * middle.size());
-  DracoConnectivity::Memory memory{corners, opposites, behind.first(layout.vertices), {}, {}};
+  const WordOfCorner opposites(first);
+  DracoConnectivity::Memory memory{VertexOfCorner(triangles), opposites, behind.first(layout.vertices), {}, {}};
   if (layout.by_valence) {
-    memory.valences = bytes.first(layout.vertices);
-    memory.symbols = bytes.subspan((layout.vertices + 3) / 4 * 4);
+    memory.valences = std::as_writable_bytes(middle).first(layout.vertices);
+    memory.symbols = std::as_writable_bytes(middle).subspan((layout.vertices + 3) / 4 * 4);
   }
   DracoConnectivity connectivity(layout, memory);
   const std::span<std::uint32_t> corner_of_value = middle.first(layout.values);
   if (!connectivity.glue() || !connectivity.number(corner_of_value)) return false;
-  return Positions(layout, vertices, corners, opposites).decode(corner_of_value, table_in(behind));
+  return Positions(layout, vertices, ConstVertexOfCorner(triangles), opposites).decode(corner_of_value, behind);
 }
 
-bool read_indices(const DracoLayout& layout, std::span<std::uint32_t> corners, std::span<std::uint32_t> words) {
-  if (layout.coded_indices) {
-    DracoSymbols symbols;
-    if (!symbols.start(layout.index_symbols, table_in(words))) return false;
-    std::int64_t last = 0;
-    for (std::uint32_t& corner : corners) {
+bool read_coded_indices(const DracoLayout& layout, Triangles triangles, std::span<std::uint32_t> words) {
+  DracoSymbols symbols;
+  if (!symbols.start(layout.index_symbols, words)) return false;
+  std::int64_t last = 0;
+  for (auto& triangle : triangles)
+    for (std::uint32_t& vertex : triangle) {
       const std::uint32_t symbol = symbols.read<1>()[0];
       last += (symbol & 1U) != 0 ? -std::int64_t{symbol >> 1U} : std::int64_t{symbol >> 1U};
       if (last < 0 || last >= layout.values) return false;
-      corner = static_cast<std::uint32_t>(last);
+      vertex = static_cast<std::uint32_t>(last);
     }
-    return true;
-  }
+  return true;
+}
+
+bool read_plain_indices(const DracoLayout& layout, Triangles triangles) {
   ByteReader in(layout.plain_indices);
-  for (std::uint32_t& corner : corners) {
-    if (layout.values >= 1U << 16U) {
-      corner = in.varint();
-    } else {
-      corner = in.byte();
-      if (layout.values >= 256) corner |= std::uint32_t{in.byte()} << 8U;
+  for (auto& triangle : triangles)
+    for (std::uint32_t& vertex : triangle) {
+      if (layout.values >= 1U << 16U) {
+        vertex = in.varint();
+      } else {
+        vertex = in.byte();
+        if (layout.values >= 256) vertex |= std::uint32_t{in.byte()} << 8U;
+      }
+      if (vertex >= layout.values) return false;
     }
-    if (corner >= layout.values) return false;
-  }
   return !in.failed();
 }
 
 }  // namespace
 
-bool decode_draco(const DracoLayout& layout, std::span<std::array<std::uint16_t, 3>> vertices,
-                  std::span<std::array<std::uint32_t, 3>> triangles, std::span<std::uint32_t> words) {
-  const std::span<std::uint32_t> corners(triangles.front().data(), 3 * triangles.size());
-  if (layout.edgebreaker) return decode_edgebreaker(layout, vertices, corners, words);
-  return read_indices(layout, corners, words) && Positions(layout, vertices, {}, {}).decode({}, table_in(words));
+bool decode_draco(const DracoLayout& layout, std::span<std::array<std::uint16_t, 3>> vertices, Triangles triangles,
+                  std::span<std::uint32_t> words) {
+  if (layout.edgebreaker) return decode_edgebreaker(layout, vertices, triangles, words);
+  const bool read =
+      layout.coded_indices ? read_coded_indices(layout, triangles, words) : read_plain_indices(layout, triangles);
+  return read && Positions(layout, vertices, ConstVertexOfCorner({}), WordOfCorner({})).decode({}, words);
 }
 
 }  // namespace zc

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "streamer/draco/draco_symbols.h"
+#include "streamer/draco/symbols.h"
 
 #include <algorithm>
 
@@ -62,26 +62,28 @@ DracoSymbols::Block DracoSymbols::skip(ByteReader& in, std::uint64_t count, unsi
   return block;
 }
 
-bool DracoSymbols::start(const Block& block, std::span<Entry> table) {
+bool DracoSymbols::start(const Block& block, std::span<std::uint32_t> table) {
   tagged_ = block.tagged;
   precision_bits_ = block.precision_bits;
   bucket_shift_ = precision_bits_ - kBucketBits;
   bits_ = DracoBits(block.bits);
-  table_ = block.table_entries() > 0 ? table : std::span<Entry>(small_);
+  table_ = block.table_words() > 0 ? table : std::span<std::uint32_t>(small_);
   ByteReader in(block.frequencies);
-  std::uint32_t entries = 0;
+  std::uint32_t at = 0;
   std::uint32_t below = 0;
   std::uint32_t bucket = 0;
   for (std::uint32_t s = 0; s < block.alphabet; ++s) {
     const Frequency frequency = read_frequency(in);
     s += frequency.zeros_more;
     if (frequency.value == 0) continue;
-    table_[entries] = {below, s};
+    table_[at] = below;
+    table_[at + 1] = s;
     below += frequency.value;
-    for (; bucket << bucket_shift_ < below; ++bucket) first_[bucket] = entries;
-    ++entries;
+    for (; bucket << bucket_shift_ < below; ++bucket) first_[bucket] = at;
+    at += kEntryWords;
   }
-  table_[entries] = {below, 0};
+  table_[at] = below;  // the end of the last one
+  table_[at + 1] = 0;
   return state_.start(block.data, 4U << precision_bits_, 4);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "streamer/draco/draco_layout.h"
+#include "streamer/draco/layout.h"
 
 #include <algorithm>
 #include <cstring>
@@ -42,7 +42,7 @@ void read_edgebreaker(ByteReader& in, DracoLayout& out) {
     context.count = in.varint();
     if (context.count > out.symbols) in.fail();
     if (context.count > 0 && !in.failed()) context.symbols = DracoSymbols::skip(in, context.count, 1);
-    if (context.symbols.table_entries() > 0) in.fail();  // there are five kinds of triangles
+    if (context.symbols.table_words() > 0) in.fail();  // there are five kinds of triangles
   }
   if (out.context_symbols() > out.symbols) in.fail();
 }
@@ -148,22 +148,21 @@ namespace {
 
 // Opposites | the values' corners, or before that valences and symbols | vertices, or after that a table.
 std::uint64_t edgebreaker_words(std::uint64_t faces, std::uint64_t values, std::uint64_t vertices,
-                                std::uint64_t symbols, std::uint64_t table_entries) {
-  return 3 * faces + std::max(values, (vertices + 3) / 4 + (symbols + 3) / 4) + std::max(vertices, 2 * table_entries);
+                                std::uint64_t symbols, std::uint64_t table_words) {
+  return 3 * faces + std::max(values, (vertices + 3) / 4 + (symbols + 3) / 4) + std::max(vertices, table_words);
 }
 
 }  // namespace
 
 std::uint64_t DracoLayout::scratch_words() const {
-  const std::uint64_t entries = corrections.table_entries();
-  if (!edgebreaker) return 2 * std::max<std::uint64_t>(entries, index_symbols.table_entries());
-  return edgebreaker_words(faces, values, vertices, context_symbols(), entries);
+  if (!edgebreaker) return std::max(corrections.table_words(), index_symbols.table_words());
+  return edgebreaker_words(faces, values, vertices, context_symbols(), corrections.table_words());
 }
 
 std::uint64_t draco_scratch_words_most(std::uint64_t faces, std::uint64_t values, std::uint64_t stream_bytes) {
   // Each symbol that occurs takes a byte of the stream, and comes once at least in what is decoded.
   const std::uint64_t entries = std::min(std::max(3 * values, 3 * faces), stream_bytes) + 1;
-  return edgebreaker_words(faces, values, 3 * faces, faces, entries);
+  return edgebreaker_words(faces, values, 3 * faces, faces, DracoSymbols::kEntryWords * entries);
 }
 
 const char* read_draco_layout(std::span<const std::byte> stream, std::uint32_t position_id, DracoLayout& layout) {

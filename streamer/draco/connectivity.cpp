@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "streamer/draco/draco_connectivity.h"
+#include "streamer/draco/connectivity.h"
 
 #include <algorithm>
 
@@ -41,7 +41,7 @@ bool DracoConnectivity::place_split_events() {
     const std::uint32_t distance = in.varint();
     if (source >= layout_.symbols || distance == 0 || distance > source) return false;
     const std::uint32_t face = layout_.symbols - 1 - static_cast<std::uint32_t>(source);
-    std::uint32_t& place = m_.corners[3 * face + edges.read(1)];
+    std::uint32_t& place = m_.corners[first_corner(face) + edges.read(1)];
     if (place != 0) return false;
     place = face + distance + 1;
   }
@@ -59,7 +59,7 @@ bool DracoConnectivity::read_context_symbols() {
       for (const std::uint32_t end = at + context.count; at < end; ++at) {
         const std::uint32_t symbol = symbols.read<1>()[0];
         if (symbol > kE) return false;
-        m_.symbols[at] = static_cast<std::uint8_t>(symbol);
+        m_.symbols[at] = static_cast<std::byte>(symbol);
       }
     }
     context_end_[i] = at;
@@ -74,22 +74,22 @@ bool DracoConnectivity::read_symbol(std::uint32_t face, std::uint32_t& symbol) {
     symbol = kE;
   } else {
     if (context_end_[context_] == context_begin_[context_]) return false;
-    symbol = m_.symbols[--context_end_[context_]];
+    symbol = std::to_integer<std::uint32_t>(m_.symbols[--context_end_[context_]]);
   }
   return true;
 }
 
 bool DracoConnectivity::glue() {
-  std::ranges::fill(m_.opposites, kNoCorner);
+  std::ranges::fill(m_.opposites.words(), kNoCorner);
   if (!place_split_events()) return false;
   symbol_bits_ = DracoBits(layout_.symbol_bits);
   if (layout_.by_valence) {
-    std::ranges::fill(m_.valences, std::uint8_t{0});
+    std::ranges::fill(m_.valences, std::byte{0});
     if (!read_context_symbols()) return false;
   }
   for (std::uint32_t face = 0; face < layout_.symbols; ++face) {
     std::uint32_t symbol = 0;
-    const std::uint32_t corner = 3 * face;
+    const std::uint32_t corner = first_corner(face);
     const std::array<std::uint32_t, 2> events = {m_.corners[corner], m_.corners[corner + 1]};
     const std::uint32_t split_edge = m_.opposites[corner];
     if (!read_symbol(face, symbol) || !add_triangle(face, symbol, split_edge)) return false;
@@ -99,7 +99,7 @@ bool DracoConnectivity::glue() {
       if (events[side] == 0) continue;
       // Only the last triangle before a split has an edge that is left alone.
       if (symbol == kC || symbol == kS) return false;
-      std::uint32_t& place = m_.opposites[3 * (events[side] - 1)];
+      std::uint32_t& place = m_.opposites[first_corner(events[side] - 1)];
       if (place != kNoCorner) return false;
       place = side == 0 ? corner + 2 : corner + 1;
     }
@@ -108,7 +108,7 @@ bool DracoConnectivity::glue() {
 }
 
 bool DracoConnectivity::add_triangle(std::uint32_t face, std::uint32_t symbol, std::uint32_t split_edge) {
-  const std::uint32_t corner = 3 * face;
+  const std::uint32_t corner = first_corner(face);
   if (symbol == kS) return add_split(corner, split_edge);
   if (split_edge != kNoCorner) return false;
   if (symbol == kE) return add_alone(corner);
@@ -176,8 +176,7 @@ bool DracoConnectivity::add_split(std::uint32_t corner, std::uint32_t split_edge
   m_.vertices[right] = corner + 2;
   m_.vertices[stays] = m_.vertices[goes];
   m_.vertices[goes] = kTag | stays;
-  if (layout_.by_valence)
-    m_.valences[stays] = static_cast<std::uint8_t>(std::min(m_.valences[stays] + m_.valences[goes], 255));
+  if (layout_.by_valence) add_valence(stays, std::to_integer<std::uint32_t>(m_.valences[goes]));
   return true;
 }
 
@@ -189,15 +188,17 @@ bool DracoConnectivity::add_alone(std::uint32_t corner) {
   return true;
 }
 
+void DracoConnectivity::add_valence(std::uint32_t vertex, std::uint32_t more) {
+  std::byte& valence = m_.valences[vertex];
+  valence = static_cast<std::byte>(std::min(std::to_integer<std::uint32_t>(valence) + more, 255U));
+}
+
 // How many edges each vertex has so far, which the symbol after this one is coded by.
 void DracoConnectivity::count_valences(std::uint32_t corner, std::uint32_t symbol) {
-  static constexpr std::array<std::array<std::uint8_t, 3>, 5> kMore = {
+  static constexpr std::array<std::array<std::uint32_t, 3>, 5> kMore = {
       {{0, 1, 1}, {0, 1, 1}, {1, 2, 1}, {1, 1, 2}, {2, 2, 2}}};
-  for (std::uint32_t k = 0; k < 3; ++k) {
-    std::uint8_t& valence = m_.valences[vertex(corner + k)];
-    valence = static_cast<std::uint8_t>(std::min(valence + kMore[symbol][k], 255));
-  }
-  const std::uint32_t valence = m_.valences[vertex(corner + 1)];
+  for (std::uint32_t k = 0; k < 3; ++k) add_valence(vertex(corner + k), kMore[symbol][k]);
+  const auto valence = std::to_integer<std::uint32_t>(m_.valences[vertex(corner + 1)]);
   constexpr std::uint32_t kLeast = 2;
   context_ = std::clamp<std::uint32_t>(valence, kLeast, kLeast + DracoLayout::kContexts - 1) - kLeast;
 }
@@ -211,7 +212,7 @@ bool DracoConnectivity::add_start_faces() {
     const std::uint32_t below = pop(active_);
     if (!bits.read()) {
       m_.opposites[active_] = kNoCorner;
-    } else if (face == layout_.faces || !add_start_face(3 * face++)) {
+    } else if (face == layout_.faces || !add_start_face(first_corner(face++))) {
       return false;
     }
     active_ = below;
@@ -246,15 +247,18 @@ bool DracoConnectivity::visit_vertex(std::uint32_t corner, std::span<std::uint32
 }
 
 bool DracoConnectivity::number(std::span<std::uint32_t> corner_of_value) {
-  for (std::uint32_t c = 0; c < m_.corners.size(); ++c) m_.corners[c] = vertex(c);
+  for (std::uint32_t t = 0; t < layout_.faces; ++t)
+    for (std::uint32_t k = 0; k < 3; ++k) m_.corners[first_corner(t) + k] = vertex(first_corner(t) + k);
   value_count_ = 0;
-  for (std::uint32_t c = 0; c < m_.corners.size(); c += 3)
-    if (!is_visited(c) && !traverse_from(c, corner_of_value)) return false;
-  for (std::uint32_t& corner : m_.corners) {
-    const std::uint32_t value = m_.vertices[corner & ~kTag];
-    if ((value & kTag) == 0) return false;
-    corner = value & ~kTag;
-  }
+  for (std::uint32_t t = 0; t < layout_.faces; ++t)
+    if (!is_visited(first_corner(t)) && !traverse_from(first_corner(t), corner_of_value)) return false;
+  for (std::uint32_t t = 0; t < layout_.faces; ++t)
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      std::uint32_t& corner = m_.corners[first_corner(t) + k];
+      const std::uint32_t value = m_.vertices[corner & ~kTag];
+      if ((value & kTag) == 0) return false;
+      corner = value & ~kTag;
+    }
   return value_count_ == corner_of_value.size();
 }
 
@@ -265,7 +269,7 @@ bool DracoConnectivity::traverse_from(std::uint32_t c, std::span<std::uint32_t> 
   // Corners of triangles to the left that have been left for later; the edge across leads to the one below.
   std::uint32_t waiting = kNoCorner;
   while (true) {
-    m_.corners[c - c % 3] |= kTag;
+    m_.corners[first_corner_beside(c)] |= kTag;
     const std::uint32_t v = m_.vertices[m_.corners[c] & ~kTag];
     const std::uint32_t right = m_.opposites[next_corner(c)];
     if ((v & kTag) == 0) {

@@ -2,10 +2,10 @@
 // Edgebreaker: the triangles of a Draco mesh stream, each glued to those before it as one of five symbols says; then
 // the order in which their vertices have their values.
 //
-// Corner c is corner c % 3 of triangle c / 3; across the edge that it faces lies the corner opposites[c]. That array
-// has all lists too, so that none takes memory: a free edge that waits to be glued holds the one that waits below it,
-// and so does an edge of the traversal with an unvisited triangle behind it. A triangle's places hold what waits for it
-// before it is there. Vertices that a split joins refer to the one that stays, as the sets of a union-find do.
+// Across the edge that corner c (corners.h) faces lies the corner opposites[c]. That array stores all lists too, so
+// that none takes memory: a free edge that waits to be glued stores the one that waits below it, and so does an edge of
+// the traversal with an unvisited triangle behind it. A triangle's places store what waits for it before it is there.
+// Vertices that a split joins refer to the one that stays, as the sets of a union-find do.
 //
 // Sources: Rossignac 1999, "Edgebreaker"; Isenburg & Snoeyink 2001, "Spirale Reversi" (symbols from the last to the
 // first); Draco bitstream 2.2, "EdgeBreaker Decoder", "EdgeBreaker Traversal", "EdgeBreaker Traversal Valence Decoder",
@@ -14,34 +14,31 @@
 // time.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
-#include "streamer/draco/draco_layout.h"
+#include "streamer/draco/corners.h"
+#include "streamer/draco/layout.h"
 
 namespace zc {
-
-inline constexpr std::uint32_t kNoCorner = 0xFFFFFFFFU;
-
-inline std::uint32_t next_corner(std::uint32_t c) { return c % 3 == 2 ? c - 2 : c + 1; }
-inline std::uint32_t previous_corner(std::uint32_t c) { return c % 3 == 0 ? c + 2 : c - 1; }
 
 class DracoConnectivity {
  public:
   // By corner, by vertex, and for streams by valence by vertex and by symbol.
   struct Memory {
-    std::span<std::uint32_t> corners;  // the vertex of each; zeroed
-    std::span<std::uint32_t> opposites;
+    VertexOfCorner corners;  // zeroed
+    WordOfCorner opposites;
     std::span<std::uint32_t> vertices;
-    std::span<std::uint8_t> valences;
-    std::span<std::uint8_t> symbols;
+    std::span<std::byte> valences;
+    std::span<std::byte> symbols;
   };
   DracoConnectivity(const DracoLayout& layout, const Memory& memory) : layout_(layout), m_(memory) {}
 
   // Glues the triangles. False for a damaged stream.
   bool glue();
   // After glue(): turns the vertices of `corners` into the numbers of their values, and gives for each value the corner
-  // that met it first. False when there are not as many values as the stream says.
+  // that reaches it first. False when there are not as many values as the stream says.
   bool number(std::span<std::uint32_t> corner_of_value);
 
  private:
@@ -59,6 +56,7 @@ class DracoConnectivity {
   bool add_alone(std::uint32_t corner);
   bool add_start_faces();
   bool add_start_face(std::uint32_t corner);
+  void add_valence(std::uint32_t vertex, std::uint32_t more);
   void count_valences(std::uint32_t corner, std::uint32_t symbol);
   bool traverse_from(std::uint32_t corner, std::span<std::uint32_t> corner_of_value);
   bool visit_vertex(std::uint32_t corner, std::span<std::uint32_t> corner_of_value);
@@ -76,7 +74,7 @@ class DracoConnectivity {
   bool add_vertex(std::uint32_t corner);
   // The free edge at the left of the triangles around a vertex.
   bool left_edge(std::uint32_t vertex, std::uint32_t& corner) const;
-  [[nodiscard]] bool is_visited(std::uint32_t c) const { return (m_.corners[c - c % 3] & kTag) != 0; }
+  [[nodiscard]] bool is_visited(std::uint32_t c) const { return (m_.corners[first_corner_beside(c)] & kTag) != 0; }
 
   const DracoLayout& layout_;
   Memory m_;
