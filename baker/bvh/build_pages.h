@@ -25,7 +25,7 @@ struct PagesInput {  // all per node
   std::uint32_t material_count = 0;
 };
 
-struct Pages {                      // all per node
+struct Pages {                          // all per node
   decltype(WorldIndex::nodes) records;  // complete
   std::vector<DiskParts> disk;
 };

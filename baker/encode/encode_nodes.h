@@ -22,7 +22,7 @@ struct EncodeInput {
   std::span<const Material> materials;
 };
 
-struct EncodedNodes {               // all per node
+struct EncodedNodes {                   // all per node
   decltype(WorldIndex::nodes) records;  // as far as the mesh goes
   std::vector<ZoneMesh> meshes;
   std::vector<DiskParts> disk;
