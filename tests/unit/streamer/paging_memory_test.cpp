@@ -3,12 +3,14 @@
 // of itself. Sources that fail in every way, stops at any moment, and loads without end: ZONECAST_LOADS sets how many
 // (1000000: some minutes).
 #include <gtest/gtest.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <mutex>
 #include <random>
@@ -179,6 +181,75 @@ TEST(PagingMemory, is_within_the_cap_and_never_more_than_the_ledger_says) {
   EXPECT_GT(compacted, 10U);
 }
 
+// Answers so late that all workers have a file's bytes at once.
+class LateSource final : public Source {
+ public:
+  explicit LateSource(const test::Files& files) : files_(files) {}
+  Result<std::vector<std::byte>> read(const std::string& name, std::uint64_t bytes) override {
+    auto data = files_.read(name, bytes);
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    return data;
+  }
+  Result<std::vector<std::byte>> read_all(const std::string& name, std::uint64_t limit_bytes) override {
+    return files_.read_all(name, limit_bytes);
+  }
+
+ private:
+  MemorySource files_;
+};
+
+// The world with so much more in the binary chunk of each `.glb`, which no mesh refers to.
+TinyWorld with_longer_files(TinyWorld world, std::uint32_t more_bytes) {
+  for (NodeRecord& node : world.index.nodes) {
+    std::vector<std::byte>& glb = world.files[node_file(node, "glb")];
+    const auto lengthen = [&](std::size_t at) {
+      std::uint32_t length = 0;
+      std::memcpy(&length, glb.data() + at, sizeof length);
+      length += more_bytes;
+      std::memcpy(glb.data() + at, &length, sizeof length);
+    };
+    std::uint32_t json_bytes = 0;
+    std::memcpy(&json_bytes, glb.data() + 12, sizeof json_bytes);
+    lengthen(8);
+    lengthen(20 + json_bytes);
+    glb.resize(glb.size() + more_bytes);
+    node.glb_bytes = glb.size();
+    node.glb_xxh3 = XXH3_64bits(glb.data(), glb.size());
+  }
+  world.files[kWorldIndexName] = encode_world_index(world.index);
+  return world;
+}
+
+// Files that are far larger than what comes out of them, then meshes that take far more to decode than they leave: each
+// class of the ledger is for once the largest, and what it stands for must be no more.
+TEST(PagingMemory, of_compressed_bytes_and_of_decoding_is_reserved_before_it_is_taken) {
+  if (!test::kCountsMemory) GTEST_SKIP() << "AddressSanitizer's operator new counts nothing";
+  const TinyWorld long_files = with_longer_files(test::make_tiny_world({.levels = 3}), 200'000);
+  const TinyWorld large_zones = test::make_tiny_world({.levels = 2, .grid = 60, .soup = 300});
+  for (const TinyWorld* world : {&long_files, &large_zones}) {
+    LateSource source(world->files);
+    StreamerOptions options;
+    options.cap_bytes = 64 << 20U;
+    options.tolerance = 1e-6;
+    options.threads = world == &long_files ? 6 : 1;
+    options.max_in_flight = options.threads;
+    std::uint64_t peak = 0;
+    const long long most = test::most_memory_of([&] {
+      HeapPageSink sink;
+      auto streamer = Streamer::open(source, options, sink);
+      ASSERT_TRUE(streamer.ok()) << streamer.error().describe();
+      for (int f = 0; f < 40; ++f) {
+        const View view{{test::kTinyOrigin_m + 10, test::kTinyOrigin_m + 10, 2.0}};
+        ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), f / 30.0).ok());
+      }
+      EXPECT_EQ((*streamer)->statistics().frame.resident_nodes, world->index.nodes.size());
+      peak = (*streamer)->statistics().ledger.peak_bytes;
+    });
+    EXPECT_LE(most, static_cast<long long>(peak));
+    EXPECT_GE(3 * most, static_cast<long long>(peak));
+  }
+}
+
 TEST(PagingFaults, cost_detail_and_nothing_else_and_heal) {
   for (std::uint32_t seed = 0; seed < 6; ++seed) {
     for (const ClockKind clock : {ClockKind::kVirtual, ClockKind::kWall}) {
@@ -245,22 +316,24 @@ TEST(PagingStop, at_any_moment_joins_every_thread_and_returns_every_byte) {
   EXPECT_LE(std::abs(held() - before), 4096);
 }
 
-TEST(PagingMemory, does_not_grow_with_loads) {
+TEST(PagingMemory, does_not_grow_with_loads_nor_with_cancelled_ones) {
   const char* asked = std::getenv("ZONECAST_LOADS");
   const std::uint64_t loads = asked != nullptr ? std::strtoull(asked, nullptr, 10) : 5000;
   MemorySource source(world().files);
   HeapPageSink sink;
-  const StreamerOptions options = options_for(0.3);
+  StreamerOptions options = options_for(0.3);
+  options.source_latency_s = 0.05;
   const long long before = held();
   auto streamer = Streamer::open(source, options, sink);
   ASSERT_TRUE(streamer.ok());
   long long early = 0;
   for (int f = 0; (*streamer)->statistics().zones_loaded < loads; ++f) {
     ASSERT_LT(f, 20'000'000);
-    const View view = view_at(f);  // far from where it was
+    const View view = view_at(f / 3);  // far from where it was, while something is on its way
     ASSERT_TRUE((*streamer)->advance(std::span(&view, 1), f / 30.0).ok());
     if (early == 0 && (*streamer)->statistics().zones_loaded > loads / 10) early = held();
   }
+  EXPECT_GT((*streamer)->statistics().requests.cancelled, loads / 20);
   EXPECT_LE(held() - early, 16384);
   EXPECT_LE(held() - before, static_cast<long long>(options.cap_bytes));
 }
