@@ -266,7 +266,7 @@ class TheChecksThemselves(unittest.TestCase):
             ("runtime/a.h", '#include "streamer/world_format/world_index.h"'), ("runtime/a.h", "#include <spng.h>"),
             ("baker/a.cpp", '#include "streamer/streamer.h"'), ("baker/a.cpp", "#include <vulkan/vulkan.h>"),
             ("baker/a.cpp", '#include "replay/session/units.h"'), ("replay/session/a.cpp", '#include "baker/bake.h"'),
-            ("replay/image/a.cpp", '#include "replay/session/camera_path.h"'),
+            ("replay/image/a.cpp", '#include "replay/paths/camera_path.h"'),
             ("replay/cli/command_bake.cpp", "#include <CGAL/Surface_mesh.h>"),
             ("replay/a.cpp", "#include <OpenMesh/Core/x.hh>"),
             ("replay/a.cpp", '#include "spirv/trace_rays.comp.h"'), ("replay/a.cpp", "#include <curl/curl.h>"),

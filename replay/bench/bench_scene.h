@@ -17,7 +17,7 @@
 #include "base/result.h"
 #include "replay/bench/engines/trace_engine.h"
 #include "replay/bench/oracle.h"
-#include "replay/session/camera_path.h"
+#include "replay/paths/camera_path.h"
 #include "streamer/source/source.h"
 
 namespace zc::bench {

@@ -7,7 +7,7 @@
 
 #include "replay/bench/engines/stopwatch.h"
 #include "replay/bench/print_figures.h"
-#include "replay/session/world_tour.h"
+#include "replay/paths/world_tour.h"
 #include "streamer/open_source.h"
 #include "streamer/paging/memory_plan.h"
 #include "streamer/paging/rendered_cut.h"

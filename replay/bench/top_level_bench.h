@@ -27,8 +27,8 @@ Result<std::vector<RootPage>> load_root_pages(const std::filesystem::path& world
 // Exactly `count`: the first ones, or all of them again and again, each round in a place of its own beside the others.
 std::vector<RootPage> repeat_root_pages(std::span<const RootPage> pages, std::size_t count);
 
-// Nodes that a random ray through the top level's box meets, by the surface area heuristic: those of the top level, the
-// pages' roots and the roots' children. Pages opened or not thus compare.
+// Nodes that a random ray through the top level's box visits, by the surface area heuristic: those of the top level,
+// the pages' roots and the roots' children. Pages opened or not thus compare.
 double top_level_cost(std::span<const gpu::PageNode> nodes, std::span<const TracedPage> pages,
                       std::uint32_t first_word);
 

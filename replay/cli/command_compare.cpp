@@ -15,6 +15,7 @@
 #include "replay/cli/progress.h"
 #include "replay/cli/world_option.h"
 #include "replay/compare/compare.h"
+#include "replay/session/units.h"
 
 namespace zc {
 namespace {

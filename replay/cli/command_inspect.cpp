@@ -10,10 +10,10 @@
 #include "replay/cli/json_option.h"
 #include "replay/cli/progress.h"
 #include "replay/cli/world_option.h"
+#include "replay/paths/world_tour.h"
 #include "replay/report/thesis_table.h"
 #include "replay/report/world_report.h"
 #include "replay/session/units.h"
-#include "replay/session/world_tour.h"
 #include "streamer/open_source.h"
 #include "streamer/source/index_file.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Proxies seen from the eye, level by level, against the full detail: pictures, maps of FLIP and their means.
-// One caller.
+// Threads: one caller. Fails on bad input, a budget that is too small, a device or a disk that refuses.
 #pragma once
 
 #include <filesystem>
@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "replay/host/stand_in_host.h"
-#include "replay/session/camera_path.h"
-#include "replay/session/units.h"
+#include "replay/paths/camera_path.h"
 #include "streamer/source/source.h"
+#include "streamer/world_format/sun_angles.h"
 
 namespace zc {
 
@@ -39,13 +39,13 @@ struct ComparedLevel {
   std::vector<double> flip;            // mean of each frame
   std::uint64_t triangles = 0;         // of the zones drawn, all frames together
   double mean_flip = 0;
-  bool incomplete = false;  // the budget did not hold all of it: coarser where it is far away
+  bool incomplete = false;  // the budget had no room for all of it: coarser where it is far away
 };
 
 struct CompareReport {
   std::vector<std::string> frames;  // names
   std::size_t blind_frames = 0;     // that do not look at the world
-  bool source_complete = true;      // the budget held all of the full detail
+  bool source_complete = true;      // the budget had room for all of the full detail
   std::vector<ComparedLevel> levels;
   std::string device;
 };

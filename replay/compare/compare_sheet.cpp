@@ -41,9 +41,9 @@ struct Layout {
     for (const SheetColumn& column : sheet.columns) heads = std::max(heads, static_cast<int>(column.lines.size()));
     top = 2 * gap + title + static_cast<int>(sheet.lines.size()) * line + gap;
     first_row = top + gap + (1 + heads) * line + gap;
-    std::size_t told = 0;
-    for (const SheetRow& row : sheet.rows) told = std::max(told, row.lines.size());
-    const int frame_text = (static_cast<int>(told) + 1) * line + legend_height();
+    std::size_t row_lines = 0;
+    for (const SheetRow& row : sheet.rows) row_lines = std::max(row_lines, row.lines.size());
+    const int frame_text = (static_cast<int>(row_lines) + 1) * line + legend_height();
     row_height = tile_height + gap / 2 + std::max(tile_height + line, frame_text) + 2 * gap;
     height = first_row + static_cast<int>(rows) * row_height;
   }

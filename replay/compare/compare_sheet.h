@@ -12,8 +12,8 @@
 namespace zc {
 
 // What a sheet has room for, so that it can be looked at.
-inline constexpr std::size_t kSheetRowsMost = 12;
-inline constexpr std::size_t kSheetLevelsMost = 8;
+inline constexpr std::size_t kSheetRowLimit = 12;
+inline constexpr std::size_t kSheetLevelLimit = 8;
 
 struct SheetColumn {
   std::string title;
@@ -22,7 +22,7 @@ struct SheetColumn {
 
 struct SheetCell {
   Picture picture;
-  Picture difference = {};  // none at the source, whose place tells of the frame
+  Picture difference = {};  // none at the source, in whose place the frame is described
   std::string caption = {};
 };
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <map>
 
+#include "replay/paths/world_tour.h"
 #include "replay/report/thesis_table.h"
-#include "replay/session/world_tour.h"
 #include "runtime/scene/zone_set.h"
 #include "shaders/shared/page.h"
 #include "streamer/paging/memory_plan.h"
@@ -74,7 +74,7 @@ struct Level {
     return json;
   }
 
-  // On the disk. `baked`: what the bake says of these files' insides, or nothing.
+  // On the disk. `baked`: what the bake reports of these files' insides, or nothing.
   [[nodiscard]] nlohmann::ordered_json disk_per_triangle(const nlohmann::ordered_json& baked) const {
     const std::uint64_t index_bytes = nodes * sizeof(NodeRecord);
     nlohmann::ordered_json json;
@@ -102,7 +102,7 @@ nlohmann::ordered_json read_bake_report(Source& source) {
   return report.is_object() ? report : nlohmann::ordered_json::object();
 }
 
-// As the bake tells it; entries of another form are not passed on.
+// As the bake reports it; entries of another form are not passed on.
 nlohmann::ordered_json left_out_of(const nlohmann::ordered_json& report) {
   auto out = nlohmann::ordered_json::array();
   const auto all = report.find("left_out");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `inspect` tells of a world. Thread-safe: no state.
+// What `inspect` reports of a world. Thread-safe: no state.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@
 namespace zc {
 
 // Keys as DESIGN names them for `inspect --json`. bake_s and left_out come from bake.json: absent and empty without it;
-// disk_bytes_per_triangle, of the proxies, tells the components that bake.json knows, else the kinds of file.
+// disk_bytes_per_triangle, of the proxies, has the components that bake.json knows, else the kinds of file.
 nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index);
 
 // Reads, hashes, decodes and checks every page. What failed, by node.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "replay/session/frame_log.h"
 
-#include "replay/session/replay_session.h"
-
 namespace zc {
 
 Result<FrameLog> FrameLog::create(const std::filesystem::path& file, bool with_rays) {

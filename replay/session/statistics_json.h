@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "replay/session/replay_session.h"
+#include "replay/session/replay_report.h"
 
 namespace zc {
 

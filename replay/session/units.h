@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "replay/paths/camera_path.h"
 #include "streamer/world_format/sun_angles.h"
 
 namespace zc {
@@ -16,11 +17,6 @@ Result<double> parse_seconds(const std::string& text);           // "50ms", "1.5
 Result<double> parse_bytes_per_second(const std::string& text);  // "20MB/s"
 std::string format_bytes(std::uint64_t bytes);                   // "12.3 MiB"
 
-struct FrameRange {
-  std::uint64_t begin = 0;
-  std::uint64_t end = UINT64_MAX;  // exclusive
-  std::uint64_t step = 1;
-};
 Result<FrameRange> parse_frames(const std::string& text);  // "A:B", "A:B:STEP", "all"
 
 struct PictureSize {

@@ -14,8 +14,8 @@
 #include <string>
 
 #include "baker/bake.h"
-#include "replay/host/zone_draws.h"
-#include "replay/session/render_setup.h"
+#include "replay/scene/paged_scene.h"
+#include "replay/scene/rendered_scene.h"
 #include "runtime/tracer.h"
 #include "streamer/streamer.h"
 #include "streamer/world_format/page_view.h"
@@ -75,24 +75,22 @@ class RenderedWorld {
     ZC_ASSIGN(device_, Device::create(device));
     proxies_.emplace(*device_);
     host_.emplace(*device_, ZoneSetOptions{.use_staging = true});  // the path of discrete GPUs is under test as well
-    claim_.emplace(*proxies_, claimed_error_m);
+    claim_.emplace(proxies_->zones(), claimed_error_m);
     StreamerOptions paging;
     paging.cap_bytes = 128U << 20U;
     paging.tolerance = 1e-9;
-    ZC_ASSIGN(streamer_, Streamer::open(*source_, paging, *claim_));
+    ZC_TRY(proxies_->open_through(*claim_, *source_, folder_ / "world", paging));
     paging.include_detail = true;
-    ZC_ASSIGN(host_streamer_, Streamer::open(*source_, paging, *host_));
+    ZC_TRY(host_->open(*source_, folder_ / "world", paging));
     const View view{{0, 0, 0}};
-    ZC_TRY(streamer_->advance(std::span(&view, 1), 0));
-    ZC_TRY(host_streamer_->advance(std::span(&view, 1), 0));
-    for (const MaterialRecord& m : index().materials)
-      materials_.push_back({m.base_color[0], m.base_color[1], m.base_color[2], m.roughness, m.metallic, m.flags, 0, 0});
+    ZC_TRY(proxies_->streamer().advance(std::span(&view, 1), 0));
+    ZC_TRY(host_->streamer().advance(std::span(&view, 1), 0));
     return remake_renderer(options);
   }
 
   // With other options, over the same zones.
-  Status remake_renderer(HostOptions options) {
-    ZC_ASSIGN(renderer_, StandInHost::create(*device_, *proxies_, *host_, materials_, options));
+  Status remake_renderer(const HostOptions& options) {
+    ZC_ASSIGN(rendered_, RenderedScene::create(*device_, *proxies_, *host_, options));
     return {};
   }
 
@@ -101,7 +99,7 @@ class RenderedWorld {
     options.max_rays = max_rays;
     options.page_depth = page_depth;
     options.trace = variant;
-    ZC_ASSIGN(tracer_, Tracer::create(*device_, *proxies_, options));
+    ZC_ASSIGN(tracer_, Tracer::create(*device_, proxies_->zones(), options));
     return {};
   }
 
@@ -117,16 +115,14 @@ class RenderedWorld {
     return camera;
   }
 
-  Result<FrameResult> render(const FrameCamera& camera) {
-    return renderer_->render(camera, zone_draws(*host_, index(), camera, 1.0, false));
-  }
+  Result<FrameResult> render(const FrameCamera& camera) { return rendered_->draw(camera, /*cull=*/false); }
 
-  [[nodiscard]] const WorldIndex& index() const { return streamer_->index(); }
+  [[nodiscard]] const WorldIndex& index() const { return proxies_->index(); }
   [[nodiscard]] Source& source() { return *source_; }
-  [[nodiscard]] const Streamer& streamer() const { return *streamer_; }
+  [[nodiscard]] const Streamer& streamer() const { return proxies_->streamer(); }
   // The proxies that are traced, by slot.
-  [[nodiscard]] std::span<const gpu::ZoneEntry> proxy_zones() const { return proxies_->shown(); }
-  [[nodiscard]] StandInHost& renderer() { return *renderer_; }
+  [[nodiscard]] std::span<const gpu::ZoneEntry> proxy_zones() const { return proxies_->zones().shown(); }
+  [[nodiscard]] StandInHost& renderer() { return rendered_->host(); }
   [[nodiscard]] Tracer& tracer() { return *tracer_; }
   [[nodiscard]] const Device& device() const { return *device_; }
 
@@ -134,11 +130,9 @@ class RenderedWorld {
   std::filesystem::path folder_;
   std::unique_ptr<Source> source_;
   std::unique_ptr<Device> device_;
-  std::optional<ZoneSet> proxies_, host_;
   std::optional<ErrorClaim> claim_;
-  std::unique_ptr<Streamer> streamer_, host_streamer_;
-  std::vector<gpu::MaterialEntry> materials_;
-  std::unique_ptr<StandInHost> renderer_;
+  std::optional<PagedScene> proxies_, host_;
+  std::unique_ptr<RenderedScene> rendered_;
   std::unique_ptr<Tracer> tracer_;
 };
 

@@ -109,7 +109,7 @@ TEST(CompareSheet, ShowsEveryPictureWholeAndItsDifferenceBelow) {
 TEST(CompareSheet, IsOfASizeToLookAtWhateverThePictures) {
   for (const auto& [width, height] : {std::pair{1280U, 720U}, {4096U, 8U}, {8U, 4096U}, {4096U, 4096U}, {64U, 36U}})
     for (const std::size_t levels : {1U, 3U, 9U}) {
-      const Picture sheet = draw_compare_sheet(sheet_of(levels, kSheetRowsMost, width, height));
+      const Picture sheet = draw_compare_sheet(sheet_of(levels, kSheetRowLimit, width, height));
       EXPECT_LE(sheet.width, 3600U) << width << " x " << height;
       EXPECT_LE(sheet.height, 13000U) << width << " x " << height;
       EXPECT_GE(sheet.width, 400U);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "replay/session/world_tour.h"
+#include "replay/paths/world_tour.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "replay/host/zone_draws.h"
-#include "replay/session/render_setup.h"
+#include "replay/paths/frame_camera.h"
 #include "streamer/paging/page_loader.h"
 #include "streamer/world_format/page_view.h"
 
@@ -32,7 +32,7 @@ Bounds bounds_of(const WorldIndex& index, const std::array<std::int32_t, 3>& low
   return out;
 }
 
-// The finest zones, which tell where there is something.
+// The finest zones: where there is something.
 template <class See>
 void each_leaf(const WorldIndex& index, const See& see) {
   for (const NodeRecord& node : index.nodes) {
@@ -50,13 +50,13 @@ double nth(std::vector<double>& values, std::size_t n) {
 
 // Of the root's page; a thousand of them where there are more.
 Result<std::vector<glm::dvec3>> triangle_centres(Source& source, const WorldIndex& index) {
-  constexpr std::size_t kMost = 1000;
+  constexpr std::size_t kLimit = 1000;
   ZC_ASSIGN(const std::vector<std::uint32_t> page, load_page(source, index, 0));
   const PageView view(page);
   const std::size_t count = view.header().triangle_count;
   std::vector<glm::dvec3> centres;
-  for (std::size_t i = 0; i < std::min(count, kMost); ++i) {
-    const auto corners = view.triangle(static_cast<std::uint32_t>(i * count / std::min(count, kMost))).corners;
+  for (std::size_t i = 0; i < std::min(count, kLimit); ++i) {
+    const auto corners = view.triangle(static_cast<std::uint32_t>(i * count / std::min(count, kLimit))).corners;
     glm::dvec3 sum{};
     for (int axis = 0; axis < 3; ++axis)
       for (const auto& corner : corners)

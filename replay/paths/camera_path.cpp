@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "replay/session/camera_path.h"
+#include "replay/paths/camera_path.h"
 
 #include <algorithm>
 #include <array>
@@ -117,7 +117,7 @@ Result<CameraPath> read_camera_path(const std::filesystem::path& file) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   const bool json = first != std::string_view::npos && text[first] == '{';
   ZC_ASSIGN(CameraPath path, json ? read_shots(text, file.string()) : read_csv(text, file.string()));
-  if (path.empty()) return Error{ErrorCode::kFormat, "holds no camera", file.string()};
+  if (path.empty()) return Error{ErrorCode::kFormat, "contains no camera", file.string()};
   return path;
 }
 
@@ -136,5 +136,11 @@ CameraSample camera_at(const CameraPath& path, double time_s) {
 }
 
 glm::dvec3 eye_at(const CameraPath& path, double time_s) { return camera_at(path, time_s).eye; }
+
+std::string frame_name(const CameraSample& sample, std::uint64_t frame) {
+  if (!sample.name.empty()) return sample.name;
+  const std::string number = std::to_string(frame);
+  return std::string(number.size() < 6 ? 6 - number.size() : 0, '0') + number;
+}
 
 }  // namespace zc

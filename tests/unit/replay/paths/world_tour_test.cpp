@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "replay/session/world_tour.h"
+#include "replay/paths/world_tour.h"
 
 #include <gtest/gtest.h>
 
@@ -54,19 +54,19 @@ TEST(Tour, OfAWorldWithoutItsRootIsAnError) {
   EXPECT_FALSE(tour_of(source, world().index).ok());
 }
 
-TEST(LooksAtWorld, TellsWhatIsAwayBehindAndFar) {
+TEST(LooksAtWorld, KnowsWhatIsAwayBehindAndFar) {
   const Bounds b = world_bounds(world().index);
   const glm::dvec3 centre = (b.min + b.max) / 2.0;
   const double size = glm::length(b.max - b.min);
-  const auto appearances = [&](const glm::dvec3& eye, const glm::dvec3& target) {
+  const auto looks = [&](const glm::dvec3& eye, const glm::dvec3& target) {
     return looks_at_world(world().index, {0, eye, target}, 16.0 / 9).value();
   };
-  EXPECT_TRUE(appearances(centre + glm::dvec3(0, -size, 0), centre));
-  EXPECT_FALSE(appearances(centre + glm::dvec3(0, -size, 0), centre + glm::dvec3(0, -9 * size, 0)));
-  EXPECT_FALSE(appearances(centre + glm::dvec3(0, -200 * size, 0), centre));
+  EXPECT_TRUE(looks(centre + glm::dvec3(0, -size, 0), centre));
+  EXPECT_FALSE(looks(centre + glm::dvec3(0, -size, 0), centre + glm::dvec3(0, -9 * size, 0)));
+  EXPECT_FALSE(looks(centre + glm::dvec3(0, -200 * size, 0), centre));
   const glm::dvec3 inside(centre.x, centre.y, b.min.z + 1);
-  EXPECT_TRUE(appearances(inside, inside + glm::dvec3(1, 0, 0)));
-  EXPECT_FALSE(appearances(inside + glm::dvec3(0, 0, size), inside + glm::dvec3(0, 0, 2 * size)));
+  EXPECT_TRUE(looks(inside, inside + glm::dvec3(1, 0, 0)));
+  EXPECT_FALSE(looks(inside + glm::dvec3(0, 0, size), inside + glm::dvec3(0, 0, 2 * size)));
 }
 
 // Where a level's triangles come from, and that the streamer takes such a world.

@@ -6,7 +6,7 @@
 #include <glm/vec3.hpp>
 #include <string>
 
-#include "replay/session/camera_path.h"
+#include "replay/paths/camera_path.h"
 #include "streamer/source/source.h"
 #include "streamer/world_format/world_index.h"
 

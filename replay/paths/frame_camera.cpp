@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "replay/session/render_setup.h"
+#include "replay/paths/frame_camera.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,35 +49,6 @@ Result<FrameCamera> make_camera(const WorldIndex& index, const CameraSample& sam
   }
   camera.ray_length_m = static_cast<float>(std::max(100.0, 2 * std::sqrt(diagonal) * camera.step_m));
   return camera;
-}
-
-std::uint32_t deepest_page(const WorldIndex& index) {
-  std::uint32_t depth = 1;
-  for (const NodeRecord& node : index.nodes) depth = std::max(depth, node.bvh_depth);
-  return depth;
-}
-
-std::vector<gpu::MaterialEntry> material_entries(const WorldIndex& index) {
-  std::vector<gpu::MaterialEntry> entries;
-  for (const MaterialRecord& m : index.materials)
-    entries.push_back({m.base_color[0], m.base_color[1], m.base_color[2], m.roughness, m.metallic, m.flags, 0, 0});
-  return entries;
-}
-
-void set_sun(HostOptions& options, const WorldIndex& index, const std::optional<SunAngles>& asked) {
-  const std::optional<SunAngles> baked = SunAngles::unpack(index.header.sun);
-  const SunAngles sun = asked.value_or(baked.value_or(SunAngles{145, 38}));
-  options.sun_azimuth_deg = sun.azimuth_deg;
-  options.sun_elevation_deg = sun.elevation_deg;
-  options.sun_is_baked = baked && sun.elevation_deg >= 0 && sun.pack() == index.header.sun;
-}
-
-Picture picture_of(const StandInHost& renderer, const HostOptions& options) {
-  Picture picture{options.width, options.height, {}};
-  const auto pixels = renderer.pixels();
-  picture.rgba.resize(pixels.size());
-  std::ranges::transform(pixels, picture.rgba.begin(), [](std::byte b) { return static_cast<std::uint8_t>(b); });
-  return picture;
 }
 
 }  // namespace zc

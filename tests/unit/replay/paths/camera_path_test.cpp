@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "replay/session/camera_path.h"
+#include "replay/paths/camera_path.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -86,8 +86,8 @@ TEST_F(CameraPathFile, CsvFaultsNameTheirLine) {
   EXPECT_EQ(fault(kHeader + "1,5,5,5,5,5,5,60\n"), "line 2: eye and target are the same point");
   EXPECT_EQ(fault(kHeader + "1,0,0,0,1,0,0,0.5\n"), "line 2: fov_y_deg is not between 1 and 170");
   EXPECT_EQ(fault(kHeader + "1,0,0,0,1,0,0,171\n"), "line 2: fov_y_deg is not between 1 and 170");
-  EXPECT_EQ(fault(kHeader), "holds no camera");
-  EXPECT_EQ(fault(""), "holds no camera");
+  EXPECT_EQ(fault(kHeader), "contains no camera");
+  EXPECT_EQ(fault(""), "contains no camera");
 }
 
 TEST_F(CameraPathFile, EveryTruncatedPrefixIsAPathOrAnError) {
@@ -114,7 +114,7 @@ TEST_F(CameraPathFile, ShotsAreNamedAndASecondApart) {
 }
 
 TEST_F(CameraPathFile, ShotsFaultsNameTheirShot) {
-  EXPECT_EQ(fault(R"({"shots": []})"), "holds no camera");
+  EXPECT_EQ(fault(R"({"shots": []})"), "contains no camera");
   const std::string view = R"("eye": [0, 0, 0], "target": [1, 1, 1]})";
   EXPECT_NE(fault(R"({"shots": [{"name": "a", )" + view + R"(, {"name": "a", )" + view + "]}").find("comes twice"),
             std::string::npos);
