@@ -22,7 +22,7 @@ std::uint32_t top_level_node_bound(std::uint32_t pages) {
 std::uint32_t top_level_depth_bound(std::uint32_t pages) {
   const auto items = pages + static_cast<std::uint32_t>(opened_items(pages));
   std::uint32_t depth = kSahLevels;
-  for (std::uint64_t held = 1; held < items; held *= gpu::kNodeWidth) ++depth;
+  for (std::uint64_t reached = 1; reached < items; reached *= gpu::kNodeWidth) ++depth;
   return depth;
 }
 
@@ -103,7 +103,7 @@ void TopLevelBuilder::make_items(std::span<const TracedPage> pages) {
   }
 }
 
-// Puts what small parts hold in their place, as far as there is room: a node less to visit. First where that saves most
+// Puts the items of small parts in their place, as far as there is room: a node less to visit. First where that saves most
 // for a place.
 void TopLevelBuilder::dissolve(Parts& parts) const {
   while (parts.count < gpu::kNodeWidth) {
@@ -124,7 +124,7 @@ void TopLevelBuilder::dissolve(Parts& parts) const {
   }
 }
 
-// Up to eight parts. Each time the one is divided that promises most among those that are more than a node holds.
+// Up to eight parts. Each time the one is divided that promises most among those that are too many for a node.
 void TopLevelBuilder::divide(Part items, std::uint32_t level, Parts& parts) {
   // Below the SAH levels the fullest part is divided, so that the depth is a logarithm.
   const bool by_count = level > kSahLevels;
