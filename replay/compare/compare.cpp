@@ -143,6 +143,7 @@ class LevelView {
     return picture_of(*renderer_, options);
   }
 
+  [[nodiscard]] bool limited_by_device() const { return streamer_->statistics().pool_limited_by_sink; }
   // Of the frame drawn last.
   [[nodiscard]] bool complete() const { return streamer_->statistics().frame.missing_nodes == 0; }
 
@@ -165,6 +166,7 @@ std::string compare_json(const CompareReport& report) {
   json["frames"] = report.frames;
   json["blind_frames"] = report.blind_frames;
   json["source_complete"] = report.source_complete;
+  json["pool_limited_by_device"] = report.limited_by_device;
   json["levels"] = nlohmann::ordered_json::array();
   for (const ComparedLevel& level : report.levels) {
     nlohmann::ordered_json row = {{"name", level.name}};
@@ -260,6 +262,7 @@ class Comparison {
         ZC_ASSIGN(Picture picture,
                   view->draw(path_[frames_[i]], static_cast<double>(i), options_.renderer, level.row.triangles));
         level.row.incomplete = level.row.incomplete || !view->complete();
+        report_.limited_by_device = report_.limited_by_device || (!view->complete() && view->limited_by_device());
         ZC_TRY(write_png(options_.out / level.row.name / file, picture));
         SheetCell cell{scale_down(picture, tile_width_)};
         if (level.detail) {
@@ -319,7 +322,9 @@ class Comparison {
       } else {
         report_.source_complete = !level.row.incomplete;
       }
-      if (level.row.incomplete) level.column.lines.emplace_back("far zones coarser: --budget");
+      if (level.row.incomplete)
+        level.column.lines.emplace_back(report_.limited_by_device ? "far zones coarser: the device"
+                                                                  : "far zones coarser: --budget");
       sheet_.columns.push_back(level.column);
     }
     ZC_TRY(write_png(options_.out / "contact_sheet.png", draw_compare_sheet(sheet_)));

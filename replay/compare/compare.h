@@ -46,6 +46,7 @@ struct CompareReport {
   std::vector<std::string> frames;  // names
   std::size_t blind_frames = 0;     // that do not look at the world
   bool source_complete = true;      // the budget held all of the full detail
+  bool limited_by_device = false;   // where zones were left out: by what the device binds, not by the budget
   std::vector<ComparedLevel> levels;
   std::string device;
 };

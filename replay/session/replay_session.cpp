@@ -423,7 +423,7 @@ class Session {
   std::vector<CameraPath> paths_;
   ReplayReport report_;
   std::unique_ptr<Source> source_;
-  HeapPageSink heap_sink_{ZoneSet::costs_anywhere()};  // what is paged does not depend on whether it is drawn
+  HeapPageSink heap_sink_;
   Drawing drawing_;
   std::unique_ptr<TraceFile> trace_;
   SelectionTrace selections_{kTraceMostWords};
