@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where pages go: the interface between the streamer and whoever keeps the pool (a zone set on the device, the heap
-// when nothing is drawn, a double in tests). The streamer says what lies where and which of it is drawn; the sink says
-// what keeping and drawing it costs, so that the streamer's cap covers that too. Threads: called only on the thread
-// that calls Streamer::open or Streamer::advance · units: 32-bit words, bytes.
+// when nothing is drawn, a double in tests). The streamer decides where each page lies and which are drawn; the sink
+// reports what keeping and drawing them costs, so that the streamer's cap covers that too. Threads: called only on the
+// thread that calls Streamer::open or Streamer::advance · units: 32-bit words, bytes.
 #pragma once
 
 #include <cstdint>

@@ -308,7 +308,7 @@ class Streamer::Impl {
     return found;
   }
 
-  // The first page of a frame always may, so that a page larger than the budget is not held up for ever.
+  // The first page of a frame always may, so that a page larger than the budget does not wait for ever.
   [[nodiscard]] bool may_upload(std::uint64_t ticket) {
     const std::uint64_t budget = options_.upload_bytes_per_frame;
     const Load& load = *find_load(ticket);
@@ -463,7 +463,7 @@ class Streamer::Impl {
   Source& source_;
   PageSink& sink_;
   const StreamerOptions options_;
-  std::unique_ptr<Ledger> ledger_;  // before everything that holds a reservation
+  std::unique_ptr<Ledger> ledger_;  // before everything that keeps a reservation
   std::vector<Reservation> fixed_;
   const WorldIndex index_;
   const MemoryPlan plan_;
@@ -504,7 +504,7 @@ Result<std::unique_ptr<Streamer>> Streamer::open(Source& source, const StreamerO
   ZC_ASSIGN(const MemoryPlan plan, plan_memory(index, options, source.held_bytes(), sink.costs()));
   auto ledger = std::make_unique<Ledger>(options.cap_bytes);
   {
-    // A source behind a network held both a moment ago: the plan has made sure that this is under the cap, and it shows
+    // A source behind a network had both a moment ago: the plan has made sure that this is under the cap, and it shows
     // in the peak.
     const std::optional<Reservation> raw = ledger->try_reserve(LedgerClass::kInFlight, index.resident_bytes());
     const std::optional<Reservation> decoded = ledger->try_reserve(LedgerClass::kIndex, plan.index_bytes);

@@ -2,7 +2,7 @@
 // Pages a world along a camera path under a hard memory cap.
 //
 // Per node: absent → reading (bytes reserved; a worker reads, verifies, decodes, assembles) → resident (in the pool)
-// → absent again when room is needed. A load that is no longer selected is cancelled and gives its bytes back; one that
+// → absent again when room is needed. A load that is no longer selected is cancelled and returns its bytes; one that
 // fails is counted and tried again after 0.1, 0.4, 1.6 and then every 10 seconds of the path, or later where a server
 // asks for that, while an ancestor covers.
 // Several cameras share it all: their views are one set, and a node counts for the camera that it matters to the most.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstring>
 #include <memory>
 #include <set>
@@ -25,14 +24,15 @@ namespace {
 RootPage cut_to_root(std::span<const std::uint32_t> page) {
   gpu::PageHeader header = PageView(page).header();
   const PageRoot root = page_root(page);
-  const auto children = static_cast<std::size_t>(std::popcount(inner_mask(root.root)));
+  const std::size_t children = root.child_count;
   RootPage out(gpu::kPageHeaderWords + (1 + children) * gpu::kPageNodeWords);
   header.total_words = static_cast<std::uint32_t>(out.size());
   std::memcpy(out.data(), &header, sizeof header);
-  gpu::PageNode node = root.root;
+  gpu::PageNode node;
+  std::memcpy(&node, page.data() + gpu::kPageHeaderWords, sizeof node);
   if (children > 0) node.child_offset = gpu::kPageNodeWords;
   std::memcpy(out.data() + gpu::kPageHeaderWords, &node, sizeof node);
-  std::memcpy(out.data() + gpu::kPageHeaderWords + gpu::kPageNodeWords, root.children.data(),
+  std::memcpy(out.data() + gpu::kPageHeaderWords + gpu::kPageNodeWords, page.data() + root.child_words,
               children * sizeof(gpu::PageNode));
   return out;
 }
@@ -119,8 +119,7 @@ double top_level_cost(std::span<const gpu::PageNode> nodes, std::span<const Trac
                       std::uint32_t first_word) {
   std::set<std::uint32_t> children_of_roots;  // where they begin: whose copy a leaf of the top level is
   for (const TracedPage& page : pages)
-    if (inner_mask(page.root->root) != 0)
-      children_of_roots.insert(page.page_word + gpu::kPageHeaderWords + page.root->root.child_offset);
+    if (page.root->child_count > 0) children_of_roots.insert(page.page_word + page.root->child_words);
   double sum = 0;
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
     const gpu::PageNode& node = nodes[i];
@@ -144,7 +143,8 @@ Result<TopLevelReport> run_top_level_bench(std::string scene, std::span<const Ro
     at += static_cast<std::uint32_t>(page.size());
   }
   std::vector<TracedPage> traced;
-  for (std::size_t i = 0; i < roots.size(); ++i) traced.push_back({words[i], &roots[i]});
+  for (std::size_t i = 0; i < roots.size(); ++i)
+    traced.push_back(traced_page(words[i], roots[i], std::as_bytes(std::span(pages[i])).data()));
 
   TopLevelReport report;
   report.scene = std::move(scene);

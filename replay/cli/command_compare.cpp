@@ -76,11 +76,12 @@ Status run(const Arguments& arguments) {
   if (report.blind_frames > 0)
     spdlog::warn("{} of {} frames do not look at the world; they count as equal", report.blind_frames,
                  report.frames.size());
+  const char* limit = report.limited_by_device ? "what the device binds" : "--budget";
   if (!report.source_complete)
-    spdlog::warn("--budget is too small for all of the full detail: proxies stand in for it where it is far away");
+    spdlog::warn("{} is too small for all of the full detail: proxies stand in for it where it is far away", limit);
   for (const ComparedLevel& level : report.levels)
     if (level.incomplete)
-      spdlog::warn("--budget is too small for all of level {}: it is coarser where it is far away", level.name);
+      spdlog::warn("{} is too small for all of level {}: it is coarser where it is far away", limit, level.name);
   if (!arguments.json.replaces_text()) print_table(report, options.out);
   if (!arguments.json.asked) return {};
   ZC_ASSIGN(const std::vector<std::byte> json, read_file(options.out / "compare.json", kReportLimitBytes));

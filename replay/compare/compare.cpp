@@ -58,6 +58,7 @@ class Comparison {
         ZC_ASSIGN(Picture picture, view->draw(frame.camera, static_cast<double>(i)));
         level.row.triangles += view->triangles();
         level.row.incomplete = level.row.incomplete || !view->complete();
+        limited_by_device_ = limited_by_device_ || (!view->complete() && view->limited_by_device());
         ZC_TRY(files.write_picture(level.row.name, frame.name, picture));
         SheetCell cell{scale_down(picture, sheet.tile_width())};
         if (level.is_source) {
@@ -88,6 +89,7 @@ class Comparison {
   CompareReport make_report() {
     CompareReport report;
     report.device = device_->name();
+    report.limited_by_device = limited_by_device_;
     for (const CompareFrame& frame : frames_) {
       report.frames.push_back(frame.name);
       if (!frame.sees_world) ++report.blind_frames;
@@ -110,6 +112,7 @@ class Comparison {
   std::vector<CompareFrame> frames_;
   std::vector<CompareLevel> levels_;
   std::size_t pictures_done_ = 0;
+  bool limited_by_device_ = false;
 };
 
 }  // namespace

@@ -45,6 +45,7 @@ struct ComparedLevel {
 struct CompareReport {
   std::vector<std::string> frames;  // names
   std::size_t blind_frames = 0;     // that do not look at the world
+  bool limited_by_device = false;   // where zones were left out: by what the device binds, not by the budget
   bool source_complete = true;      // the budget had room for all of the full detail
   std::vector<ComparedLevel> levels;
   std::string device;

@@ -35,6 +35,7 @@ std::string compare_json(const CompareReport& report) {
   json["frames"] = report.frames;
   json["blind_frames"] = report.blind_frames;
   json["source_complete"] = report.source_complete;
+  json["pool_limited_by_device"] = report.limited_by_device;
   json["levels"] = nlohmann::ordered_json::array();
   for (const ComparedLevel& level : report.levels) {
     nlohmann::ordered_json row = {{"name", level.name}};

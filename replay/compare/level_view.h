@@ -25,6 +25,9 @@ class LevelView {
   [[nodiscard]] std::uint64_t triangles() const { return rendered_->drawn_triangles(); }
   [[nodiscard]] bool complete() const { return scene_.streamer().statistics().frame.missing_nodes == 0; }
 
+  // Where it is not complete: by what the device binds, not by the budget.
+  [[nodiscard]] bool limited_by_device() const { return scene_.streamer().statistics().pool_limited_by_sink; }
+
  private:
   explicit LevelView(Device& device) : scene_(device) {}
 

@@ -22,7 +22,7 @@ SheetRow row_of(const CompareFrame& frame) {
 SheetColumn column_of(const CompareLevel& level) {
   SheetColumn column = level.column;
   if (!level.is_source) column.lines.push_back(format_text("mean FLIP %.4f", level.row.mean_flip));
-  if (level.row.incomplete) column.lines.emplace_back("far zones coarser: --budget");
+  if (level.row.incomplete) column.lines.emplace_back("far zones coarser: no room");
   return column;
 }
 

@@ -22,18 +22,22 @@ std::uint32_t top_level_node_bound(std::uint32_t pages) {
 std::uint32_t top_level_depth_bound(std::uint32_t pages) {
   const auto items = pages + static_cast<std::uint32_t>(opened_items(pages));
   std::uint32_t depth = kSahLevels;
-  for (std::uint64_t held = 1; held < items; held *= gpu::kNodeWidth) ++depth;
+  for (std::uint64_t reached = 1; reached < items; reached *= gpu::kNodeWidth) ++depth;
   return depth;
 }
 
-void TopLevelBuilder::reserve(std::uint32_t pages) {
+TracedPage traced_page(std::uint32_t page_word, const PageRoot& root, const std::byte* page) {
+  return {page_word, &root, page + 4 * gpu::kPageHeaderWords, page + std::size_t{4} * root.child_words};
+}
+
+void TopLevelBuilder::reserve(std::uint32_t pages, std::span<gpu::PageNode> nodes) {
   const std::size_t items = pages + opened_items(pages);
   items_.reserve(items);
   boxes_.reserve(items);
   order_.reserve(items);
   split_.reserve(items);
   by_area_.reserve(pages);
-  nodes_.resize(top_level_node_bound(pages));
+  nodes_ = nodes;
 }
 
 void TopLevelBuilder::build(std::span<const TracedPage> pages, std::uint32_t first_word) {
@@ -41,7 +45,10 @@ void TopLevelBuilder::build(std::span<const TracedPage> pages, std::uint32_t fir
   depth_ = 1;
   node_count_ = 1;
   const std::size_t bound = top_level_node_bound(static_cast<std::uint32_t>(pages.size()));
-  if (nodes_.size() < bound) nodes_.resize(bound);
+  if (nodes_.size() < bound) {
+    own_nodes_.resize(bound);
+    nodes_ = own_nodes_;
+  }
   if (pages.empty()) {
     nodes_[0] = pack_boxes({});
     return;
@@ -66,14 +73,16 @@ void TopLevelBuilder::put_item(std::size_t place, const Item& item, const NodeBo
 // Puts the children of a page's root, and the root's own triangles, in the place of the root.
 void TopLevelBuilder::open_page(const TracedPage& page, std::size_t place) {
   const PageRoot& root = *page.root;
-  const std::uint32_t root_word = page.page_word + gpu::kPageHeaderWords;
-  for (std::uint32_t c = 0; c < root.child_count; ++c)
+  for (std::uint32_t c = 0; c < root.child_count; ++c) {
+    const std::byte* child = page.children + c * sizeof(gpu::PageNode);
     put_item(c == 0 ? place : items_.size(),
-             {&root.children[c], root_word + root.root.child_offset + c * gpu::kPageNodeWords, root.depth - 1},
-             node_bounds(root.children[c]));
-  if (leaf_mask(root.root) != 0)
-    put_item(items_.size(), {&root.root, root_word, 1, ~(0xFFU << 16)},
-             bounds_of_slots(root.root, leaf_mask(root.root)));
+             {child, page.page_word + root.child_words + c * gpu::kPageNodeWords, root.depth - 1},
+             node_bounds(load_node(child)));
+  }
+  const gpu::PageNode node = load_node(page.root_node);
+  if (leaf_mask(node) != 0)
+    put_item(items_.size(), {page.root_node, page.page_word + gpu::kPageHeaderWords, 1, ~(0xFFU << 16)},
+             bounds_of_slots(node, leaf_mask(node)));
 }
 
 // One item a page, except that the largest roots are opened while there is room.
@@ -81,8 +90,7 @@ void TopLevelBuilder::make_items(std::span<const TracedPage> pages) {
   items_.clear();
   boxes_.clear();
   for (const TracedPage& page : pages)
-    put_item(items_.size(), {&page.root->root, page.page_word + gpu::kPageHeaderWords, page.root->depth},
-             page.root->box);
+    put_item(items_.size(), {page.root_node, page.page_word + gpu::kPageHeaderWords, page.root->depth}, page.root->box);
   if (pages.size() < 2) return;
 
   // The largest area first, of equal ones the first page. Only some of them ever leave the heap.
@@ -95,7 +103,7 @@ void TopLevelBuilder::make_items(std::span<const TracedPage> pages) {
   for (auto end = by_area_.end(); end != by_area_.begin(); --end) {
     const auto i = ~static_cast<std::uint32_t>(by_area_.front());
     const PageRoot& root = *pages[i].root;
-    const std::size_t more = root.child_count - (leaf_mask(root.root) != 0 ? 0U : 1U);
+    const std::size_t more = root.child_count - (leaf_mask(load_node(pages[i].root_node)) != 0 ? 0U : 1U);
     if (more > room) break;
     room -= more;
     open_page(pages[i], i);
@@ -103,8 +111,8 @@ void TopLevelBuilder::make_items(std::span<const TracedPage> pages) {
   }
 }
 
-// Puts what small parts hold in their place, as far as there is room: a node less to visit. First where that saves most
-// for a place.
+// Puts the items of small parts in their place, as far as there is room: a node less to visit. First where that saves
+// most for a place.
 void TopLevelBuilder::dissolve(Parts& parts) const {
   while (parts.count < gpu::kNodeWidth) {
     float best = 0;
@@ -124,7 +132,7 @@ void TopLevelBuilder::dissolve(Parts& parts) const {
   }
 }
 
-// Up to eight parts. Each time the one is divided that promises most among those that are more than a node holds.
+// Up to eight parts. Each time the one is divided that promises most among those that are too many for a node.
 void TopLevelBuilder::divide(Part items, std::uint32_t level, Parts& parts) {
   // Below the SAH levels the fullest part is divided, so that the depth is a logarithm.
   const bool by_count = level > kSahLevels;
@@ -180,22 +188,22 @@ NodeBox TopLevelBuilder::build_node(std::uint32_t index, Part items, std::uint32
     mask |= 1U << slot;
     ++child;
   }
-  gpu::PageNode& node = nodes_[index];
-  node = pack_boxes(boxes);
+  gpu::PageNode node = pack_boxes(boxes);
   node.exponents_masks |= mask << 16;
   node.child_offset = (first_child - index) * gpu::kPageNodeWords;
+  nodes_[index] = node;
   return all;
 }
 
 void TopLevelBuilder::place_item(std::uint32_t index, const Item& item, std::uint32_t level) {
   // References count in words modulo 2^32: a copy behind its page refers backwards.
   const std::uint32_t moved = item.word - (first_word_ + index * gpu::kPageNodeWords);
-  gpu::PageNode& node = nodes_[index];
-  node = *item.node;
+  gpu::PageNode node = load_node(item.node);
   node.exponents_masks &= item.kept_masks;
   node.child_offset += moved;
   node.triangle_offset += moved;
   node.cluster_offset += moved;
+  nodes_[index] = node;
   depth_ = std::max(depth_, level + item.depth);
 }
 

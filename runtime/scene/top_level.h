@@ -20,7 +20,11 @@ namespace zc {
 struct TracedPage {
   std::uint32_t page_word = 0;  // in the pool
   const PageRoot* root = nullptr;
+  const std::byte* root_node = nullptr;  // as it lies in the page; and the root's children
+  const std::byte* children = nullptr;
 };
+// Of a page that lies in memory as a whole.
+TracedPage traced_page(std::uint32_t page_word, const PageRoot& root, const std::byte* page);
 
 // Most nodes that a build makes for so many pages, and the deepest top level above the pages' roots. The first is at
 // most kTopLevelFixedNodes + pages * kTopLevelNodesPerPage.
@@ -33,7 +37,8 @@ std::uint32_t top_level_depth_bound(std::uint32_t pages);
 class TopLevelBuilder {
  public:
   // Takes the memory of builds of at most so many pages at once: kFixedBytes and kBytesPerPage each.
-  void reserve(std::uint32_t pages);
+  // nodes: where builds put theirs, top_level_node_bound(pages) of them.
+  void reserve(std::uint32_t pages, std::span<gpu::PageNode> nodes);
 
   // first_word: where nodes()[0] will lie in the pool.
   void build(std::span<const TracedPage> pages, std::uint32_t first_word);
@@ -46,7 +51,7 @@ class TopLevelBuilder {
  private:
   // What becomes a leaf of the top level: a page's root, or a part of it.
   struct Item {
-    const gpu::PageNode* node = nullptr;
+    const std::byte* node = nullptr;
     std::uint32_t word = 0;  // where the node's references count from
     std::uint32_t depth = 1;
     std::uint32_t kept_masks = 0xFFFFFFFFU;  // of an opened page's root only the leaves are left
@@ -79,7 +84,8 @@ class TopLevelBuilder {
   std::vector<std::uint64_t> by_area_;
   std::vector<std::uint32_t> order_;
   BoxSplit split_;
-  std::vector<gpu::PageNode> nodes_;
+  std::vector<gpu::PageNode> own_nodes_;  // of who reserved nothing
+  std::span<gpu::PageNode> nodes_;
   std::uint32_t node_count_ = 0;
   std::uint32_t depth_ = 1;
 
@@ -88,10 +94,8 @@ class TopLevelBuilder {
 
  public:
   // Items are at most kNodeWidth more than one and a half a page.
-  static constexpr std::uint64_t kFixedBytes =
-      gpu::kNodeWidth * kBytesPerItem + kTopLevelFixedNodes * sizeof(gpu::PageNode);
-  static constexpr std::uint64_t kBytesPerPage =
-      (3 * kBytesPerItem + 1) / 2 + sizeof(std::uint64_t) + kTopLevelNodesPerPage * sizeof(gpu::PageNode);
+  static constexpr std::uint64_t kFixedBytes = gpu::kNodeWidth * kBytesPerItem;
+  static constexpr std::uint64_t kBytesPerPage = (3 * kBytesPerItem + 1) / 2 + sizeof(std::uint64_t);
 };
 
 }  // namespace zc

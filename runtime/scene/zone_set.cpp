@@ -17,24 +17,38 @@ constexpr std::uint64_t rounded(std::uint64_t bytes) { return bytes + bytes / 32
 
 constexpr std::uint64_t kNodeBytes = sizeof(gpu::PageNode);
 
-}  // namespace
+constexpr VkBufferUsageFlags kPoolUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                          VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
+                                          VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
 
-SinkCosts ZoneSet::costs_anywhere(const ZoneSetOptions& options) {
-  constexpr std::uint64_t lists = sizeof(Resident) + sizeof(PageRoot) + sizeof(std::uint32_t) + sizeof(gpu::ZoneEntry) +
-                                  sizeof(std::uint32_t) + sizeof(TracedPage);
-  SinkCosts costs;
-  costs.buffer_fixed_bytes = kTopLevelFixedNodes * kNodeBytes;
-  costs.buffer_bytes_per_page = kTopLevelNodesPerPage * kNodeBytes;
-  costs.fixed_bytes = costs.buffer_fixed_bytes + options.staging_bytes + TopLevelBuilder::kFixedBytes + kRoundingBytes;
-  costs.bytes_per_page =
-      costs.buffer_bytes_per_page + sizeof(gpu::ZoneEntry) + rounded(lists + TopLevelBuilder::kBytesPerPage);
-  return costs;
+// Memory types are the same for all buffers of one usage.
+bool maps_pools(const Device& device) {
+  const Result<Buffer> probe = Buffer::create(device, 256, kPoolUsage, MemoryUse::kDevice);
+  return probe && !probe->mapped().empty();
 }
 
+}  // namespace
+
+ZoneSet::ZoneSet(Device& device, const ZoneSetOptions& options)
+    : device_(device),
+      options_(options),
+      is_mapped_(options.frames_in_flight == 0 && !options.use_staging && maps_pools(device)),
+      transfers_(device) {}
+
 SinkCosts ZoneSet::costs() const {
-  SinkCosts costs = costs_anywhere(options_);
+  SinkCosts costs;
   costs.buffer_limit_bytes =
       std::min<std::uint64_t>(device_.limits().maxStorageBufferRange, 4 * std::uint64_t{gpu::kPoolMaxWords});
+  costs.buffer_fixed_bytes = kTopLevelFixedNodes * kNodeBytes;
+  costs.buffer_bytes_per_page = kTopLevelNodesPerPage * kNodeBytes;
+  costs.fixed_bytes = costs.buffer_fixed_bytes + rounded(TopLevelBuilder::kFixedBytes) + kRoundingBytes;
+  std::uint64_t lists = sizeof(Resident) + sizeof(PageRoot) + sizeof(std::uint32_t) + sizeof(gpu::ZoneEntry) +
+                        sizeof(std::uint32_t) + sizeof(TracedPage) + TopLevelBuilder::kBytesPerPage;
+  if (!is_mapped_) {
+    costs.fixed_bytes += options_.staging_bytes + rounded(costs.buffer_fixed_bytes);
+    lists += sizeof(RootNodes) + costs.buffer_bytes_per_page;
+  }
+  costs.bytes_per_page = costs.buffer_bytes_per_page + sizeof(gpu::ZoneEntry) + rounded(lists);
   return costs;
 }
 
@@ -59,24 +73,28 @@ Status ZoneSet::create(std::uint64_t capacity_words, std::uint64_t max_pages) {
   entries_.reserve(max_pages_);
   triangle_counts_.reserve(max_pages_);
   traced_.reserve(max_pages_);
-  top_.reserve(max_pages_);
+  const std::size_t nodes = top_level_node_bound(max_pages_);
+  if (is_mapped_) {
+    auto* behind_pages = reinterpret_cast<gpu::PageNode*>(pool_.mapped().data() + std::size_t{4} * root_word_);
+    top_.reserve(max_pages_, {behind_pages, nodes});
+  } else {
+    root_nodes_.resize(max_pages_);
+    top_nodes_.resize(nodes);
+    top_.reserve(max_pages_, top_nodes_);
+  }
   return show({});
 }
 
 Status ZoneSet::create_buffers(std::uint64_t pool_bytes) {
-  constexpr VkBufferUsageFlags usage =
-      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
-  ZC_ASSIGN(pool_,
-            Buffer::create(device_, pool_bytes, usage | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, MemoryUse::kDevice));
+  ZC_ASSIGN(pool_, Buffer::create(device_, pool_bytes, kPoolUsage, MemoryUse::kDevice));
   // Of whole texels; a view of a part is bound, but not read, where the pool is larger.
   const std::uint64_t texels = std::min<std::uint64_t>(pool_bytes / 4, device_.limits().maxTexelBufferElements) / 4 * 4;
   all_as_texels_ = 4 * texels == pool_bytes;
   ZC_ASSIGN(texels_, BufferView::create(device_, pool_, VK_FORMAT_R32_UINT, 4 * texels));
   ZC_ASSIGN(texels4_, BufferView::create(device_, pool_, VK_FORMAT_R32G32B32A32_UINT, 4 * texels));
   const VkDeviceSize zones = std::max<std::uint32_t>(max_pages_, 1);
-  ZC_ASSIGN(zones_, Buffer::create(device_, zones * sizeof(gpu::ZoneEntry), usage, MemoryUse::kDevice));
-  is_mapped_ =
-      options_.frames_in_flight == 0 && !options_.use_staging && !pool_.mapped().empty() && !zones_.mapped().empty();
+  ZC_ASSIGN(zones_, Buffer::create(device_, zones * sizeof(gpu::ZoneEntry), kPoolUsage, MemoryUse::kDevice));
+  ZC_CHECK(!is_mapped_ || !(pool_.mapped().empty() || zones_.mapped().empty()));
   return is_mapped_ ? Status{} : transfers_.create(options_.staging_bytes, std::max(1U, options_.frames_in_flight));
 }
 
@@ -99,12 +117,18 @@ std::vector<ZoneSet::Resident>::iterator ZoneSet::first_from(std::uint64_t word)
 
 Status ZoneSet::upload(std::uint64_t offset_words, std::span<const std::uint32_t> page) {
   ZC_CHECK(offset_words + page.size() <= root_word_ && !free_roots_.empty());
-  const auto at = first_from(offset_words);
-  ZC_CHECK(at == residents_.end() || at->page_word >= offset_words + page.size());
+  const auto next = first_from(offset_words);
+  ZC_CHECK(next == residents_.end() || next->page_word >= offset_words + page.size());
   const std::uint32_t root = free_roots_.back();
   free_roots_.pop_back();
   roots_[root] = page_root(page);
-  residents_.insert(at, {static_cast<std::uint32_t>(offset_words), root});
+  if (!is_mapped_) {
+    const auto at = [&](std::size_t word) { return std::as_bytes(page).data() + 4 * word; };
+    root_nodes_[root].nodes[0] = load_node(at(gpu::kPageHeaderWords));
+    for (std::size_t c = 0; c < roots_[root].child_count; ++c)
+      root_nodes_[root].nodes[1 + c] = load_node(at(roots_[root].child_words + c * gpu::kPageNodeWords));
+  }
+  residents_.insert(next, {static_cast<std::uint32_t>(offset_words), root});
   pages_changed_ = true;
   return write(pool_, offset_words * 4, std::as_bytes(page));
 }
@@ -158,12 +182,18 @@ Status ZoneSet::build_top_level() {
     while (resident != residents_.end() && resident->page_word < zone.page_word) ++resident;
     ZC_CHECK(resident != residents_.end() && resident->page_word == zone.page_word);
     const PageRoot& root = roots_[resident->root];
-    traced_.push_back({zone.page_word, &root});
+    if (is_mapped_) {
+      traced_.push_back(traced_page(zone.page_word, root, pool_.mapped().data() + std::size_t{4} * zone.page_word));
+    } else {
+      const auto nodes = std::as_bytes(std::span(root_nodes_[resident->root].nodes));
+      traced_.push_back({zone.page_word, &root, nodes.data(), nodes.data() + sizeof(gpu::PageNode)});
+    }
     triangle_counts_.push_back(root.triangle_count);
   }
   top_.build(traced_, root_word_);
   pages_changed_ = false;
   end_word_ = root_word_ + static_cast<std::uint32_t>(top_.nodes().size()) * gpu::kPageNodeWords;
+  if (is_mapped_) return {};  // it was built in its place
   return write(pool_, std::uint64_t{root_word_} * 4, std::as_bytes(top_.nodes()));
 }
 

@@ -6,6 +6,7 @@
 // Borrows the device. Threads: as the device. Fails when the driver refuses memory.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -28,11 +29,8 @@ struct ZoneSetOptions {
 
 class ZoneSet final : public PageSink {
  public:
-  explicit ZoneSet(Device& device, const ZoneSetOptions& options = {})
-      : device_(device), options_(options), transfers_(device) {}
+  explicit ZoneSet(Device& device, const ZoneSetOptions& options = {});
 
-  // On any device, apart from what that binds.
-  [[nodiscard]] static SinkCosts costs_anywhere(const ZoneSetOptions& options = {});
   [[nodiscard]] SinkCosts costs() const override;
   Status create(std::uint64_t capacity_words, std::uint64_t max_pages) override;
   Status upload(std::uint64_t offset_words, std::span<const std::uint32_t> page) override;
@@ -80,7 +78,9 @@ class ZoneSet final : public PageSink {
 
   Device& device_;
   const ZoneSetOptions options_;
-  bool is_mapped_ = false;  // and the device idle between frames: written at once
+  // The pool is written at once, where the device is idle between frames, and the top level is built in its place. Else
+  // nodes of pages and of the top level are kept on the heap as well.
+  const bool is_mapped_;
   Buffer pool_;
   Buffer zones_;
   Transfers transfers_;
@@ -90,7 +90,12 @@ class ZoneSet final : public PageSink {
 
   // Reserved for max_pages_.
   std::vector<Resident> residents_;  // by page word
+  struct RootNodes {
+    std::array<gpu::PageNode, 1 + gpu::kNodeWidth> nodes;  // the root and its children
+  };
   std::vector<PageRoot> roots_;
+  std::vector<RootNodes> root_nodes_;     // as in the pages; empty where the pool is mapped
+  std::vector<gpu::PageNode> top_nodes_;  // likewise
   std::vector<std::uint32_t> free_roots_;
   std::vector<gpu::ZoneEntry> entries_;
   std::vector<std::uint32_t> triangle_counts_;  // by entry

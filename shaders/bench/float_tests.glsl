@@ -4,7 +4,7 @@
 
 const float kFarthest = 3.4028235e38;
 
-// A finite reciprocal that keeps the sign of zero, so that the slab test never meets 0 * inf.
+// A finite reciprocal that keeps the sign of zero, so that the slab test never computes 0 * inf.
 vec3 float_reciprocal(vec3 d) {
   const vec3 s = vec3(floatBitsToInt(d.x) < 0 ? -1.0 : 1.0, floatBitsToInt(d.y) < 0 ? -1.0 : 1.0,
                       floatBitsToInt(d.z) < 0 ? -1.0 : 1.0);
@@ -13,7 +13,7 @@ vec3 float_reciprocal(vec3 d) {
 
 // Slab test from t = 0 on; the far distance is padded by 2 ulp so that rounding never loses a box (Ize 2013,
 // section 3).
-bool meets_box(vec3 lo, vec3 hi, vec3 origin, vec3 reciprocal, float t_max, out float t_near) {
+bool hits_box(vec3 lo, vec3 hi, vec3 origin, vec3 reciprocal, float t_max, out float t_near) {
   precise vec3 t0 = (lo - origin) * reciprocal;
   precise vec3 t1 = (hi - origin) * reciprocal;
   const vec3 near = min(t0, t1);
@@ -37,7 +37,7 @@ RayShear shear_of(vec3 direction) {
   return RayShear(longest, vec3(d.x / d.z, d.y / d.z, 1.0 / d.z));
 }
 
-bool meets_triangle(vec3 a, vec3 b, vec3 c, vec3 origin, RayShear shear, out float t) {
+bool hits_triangle(vec3 a, vec3 b, vec3 c, vec3 origin, RayShear shear, out float t) {
   const vec3 pa = longest_last(a - origin, shear.longest);
   const vec3 pb = longest_last(b - origin, shear.longest);
   const vec3 pc = longest_last(c - origin, shear.longest);

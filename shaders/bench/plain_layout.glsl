@@ -17,7 +17,7 @@ struct plain_Cluster {
   float error_m;
 };
 
-// All that a cluster has left to say is said by the node.
+// The node has all that is left of a cluster.
 plain_Cluster plain_load_cluster(uint error_bits) { return plain_Cluster(uintBitsToFloat(error_bits)); }
 
 // Triangles are numbered from the pool's first word on.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Nodes for single rays: references, then lower x of slots 0-3 and 4-7, y, z, then upper, then the zone's error. A ray
-// fetches the planes that it meets first and last, four children at a time.
+// fetches the planes that it crosses first and last, four children at a time.
 #include "bench/plain_layout.glsl"
 
 const uint plain_node_words = 56u;

@@ -48,21 +48,21 @@ void main() {
       const uvec2 refs = nodes[ref].refs.xy;
       float near0;
       float near1;
-      const bool meets0 = meets_box(a.xyz, vec3(a.w, b.xy), origin, reciprocal, t_max, near0);
-      const bool meets1 = meets_box(vec3(b.zw, c.x), c.yzw, origin, reciprocal, t_max, near1);
-      if (meets0 && meets1) {
+      const bool hits0 = hits_box(a.xyz, vec3(a.w, b.xy), origin, reciprocal, t_max, near0);
+      const bool hits1 = hits_box(vec3(b.zw, c.x), c.yzw, origin, reciprocal, t_max, near1);
+      if (hits0 && hits1) {
         const bool swap = near1 < near0;
         next = swap ? refs.y : refs.x;
         stack[size++] = swap ? refs.x : refs.y;
       } else {
-        next = meets0 ? refs.x : (meets1 ? refs.y : kDone);
+        next = hits0 ? refs.x : (hits1 ? refs.y : kDone);
       }
     } else {
       const uint first = ref & 0x07FFFFFFu;
       const uint end = first + ((ref >> 27) & 15u);
       for (uint i = first; i < end; ++i) {
         float t;
-        if (meets_triangle(uintBitsToFloat(triangles[i].a_index.xyz), triangles[i].b.xyz, triangles[i].c.xyz, origin,
+        if (hits_triangle(uintBitsToFloat(triangles[i].a_index.xyz), triangles[i].b.xyz, triangles[i].c.xyz, origin,
                            shear, t) &&
             t >= 0.0 && t < t_max) {
           t_max = t;

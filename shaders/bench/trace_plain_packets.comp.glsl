@@ -7,7 +7,7 @@
 #include "packets/lane_group.glsl"
 #include "packets/frustum.glsl"
 #include "traverse/ray_queue.glsl"
-const uint kStackPairs = (uint(kStackSize) + kLaneGroup - 1u) / kLaneGroup;  // of registers a lane
+#include "packets/packet_rays.glsl"
 #include "bench/plain_children_group.glsl"
 #include "packets/traverse_packet.glsl"
 

@@ -37,7 +37,7 @@ void main() {
     const uvec4 low = nodes[at].min_skip;
     const uvec4 high = nodes[at].max_leaf;
     float t_near;
-    if (!meets_box(uintBitsToFloat(low.xyz), uintBitsToFloat(high.xyz), origin, reciprocal, t_max, t_near)) {
+    if (!hits_box(uintBitsToFloat(low.xyz), uintBitsToFloat(high.xyz), origin, reciprocal, t_max, t_near)) {
       at = low.w;
       continue;
     }
@@ -49,7 +49,7 @@ void main() {
       const vec3 a = vec3(p.a_xy, p.a_z_b_x.x);
       const vec3 b = vec3(p.a_z_b_x.y, p.b_yz);
       const vec3 c = vec3(p.c_xy, uintBitsToFloat(p.c_z_index.x));
-      if (meets_triangle(a, b, c, origin, shear, t) && t >= 0.0 && t < t_max) {
+      if (hits_triangle(a, b, c, origin, shear, t) && t >= 0.0 && t < t_max) {
         t_max = t;
         nearest = i;
         if (kAnyHit != 0u) break;

@@ -90,7 +90,7 @@ void bound_edge(vec3 p, vec3 q, vec2 from, vec2 slope, inout bool above, inout b
 }
 
 // Whether a ray may hit: no side of the frustum has the whole triangle behind it, and no two edges see all rays on
-// different sides. A point that a ray meets lies within the sides, which are linear, so that a triangle behind one has
+// different sides. A point that a ray hits lies within the sides, which are linear, so that a triangle behind one has
 // no such point even where it begins before the frustum.
 bool frustum_hits_triangle(Frustum frustum, Triangle s) {
   const vec2 from = (frustum.from_low + frustum.from_high) * 0.5;

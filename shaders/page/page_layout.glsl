@@ -7,7 +7,7 @@
 
 const uint PAGE_NAME(node_words) = kPageNodeWords;
 
-// The children that a ray meets between t_min and t_max, one bit a slot. The origin is in lattice units relative to the
+// The children that a ray intersects between t_min and t_max, one bit a slot. The origin is in lattice units relative to the
 // camera's lattice point.
 uint PAGE_NAME(hit_children)(uint node, vec3 origin, vec3 reciprocal, bvec3 backward, float t_min, float t_max,
                              out NodeRefs refs) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades what the traced rays hit, with one shadow ray each against the same zones where the bake does not say it all.
+// Shades what the traced rays hit, with one shadow ray each against the same zones where the bake leaves it open.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"

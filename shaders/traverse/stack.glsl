@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The stack of the one ray that an invocation traces: an array of its own, or with kStackShared the workgroup's shared
-// memory, where entries of one height lie side by side, so that no two lanes meet in a bank.
+// memory, where entries of one height lie side by side, so that no two lanes read the same bank.
 // Pages that nobody verified may be deeper than the stack: what does not fit goes to its last entry.
 // Needs the workgroup's size declared before it.
 #ifndef ZC_SHADERS_STACK

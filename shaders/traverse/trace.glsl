@@ -20,7 +20,7 @@ struct TraceHit {
   uint triangle_word;  // as in HitRecord
 };
 
-// A finite reciprocal that keeps the sign of zero, so that the slab test never meets 0 * inf.
+// A finite reciprocal that keeps the sign of zero, so that the slab test never computes 0 * inf.
 vec3 safe_reciprocal(vec3 d) {
   const vec3 tiny = vec3(1e-18);
   const vec3 s = vec3((floatBitsToUint(d.x) >> 31) != 0u ? -1.0 : 1.0, (floatBitsToUint(d.y) >> 31) != 0u ? -1.0 : 1.0,
@@ -35,7 +35,7 @@ uint direction_octant(vec3 d) { return (d.x < 0.0 ? 1u : 0u) | (d.y < 0.0 ? 2u :
 // hit, one bit a slot in front-to-back order, and in the low byte which slots are nodes.
 uvec2 root_group(uint root) { return uvec2(root, 1u << 24); }
 
-// What a node says of its children, beside their boxes.
+// What a node has of its children, beside their boxes.
 struct NodeRefs {
   uint inner;   // bit per slot: the child is a node
   uint leaves;  // or triangles
@@ -107,7 +107,7 @@ float plane_at(uint planes, int i) {
   return uintBitsToFloat(((i == 0 ? planes << 8 : planes >> (8 * i - 8)) & 0xFF00u) | 0x3F800000u);
 }
 
-// Four children at once: bit i is set when the ray meets child i between t_min and t_max. Distances are compared as
+// Four children at once: bit i is set when the ray intersects child i between t_min and t_max. Distances are compared as
 // integers: IEEE floats of one sign order alike, and a negative exit distance loses to t_min >= 0 however it compares
 // with other negatives. (A minimum of floats costs llvmpipe three instructions for NaN, one of integers costs one.)
 uint hit_four(SlabTest s, uint near_x, uint near_y, uint near_z, uint far_x, uint far_y, uint far_z, float t_min,
@@ -147,7 +147,7 @@ Shear make_shear(vec3 d) {
   return s;
 }
 
-// What all rays that meet a triangle share. Permuted; differences of lattice points are exact.
+// What all rays share that are tested against a triangle. Permuted; differences of lattice points are exact.
 struct Triangle {
   vec3 a;
   vec3 b;

@@ -61,11 +61,11 @@ TraceHit PAGE_NAME(trace)(TraceRay ray, bool any) {
         const Triangle shape =
             make_triangle(permute(a, shear.longest), permute(b, shear.longest), permute(c, shear.longest));
         float t;
-        const bool met = hit_triangle(shape, sheared_origin, shear.scale, t);
+        const bool inside = hit_triangle(shape, sheared_origin, shear.scale, t);
         const bool own =
             has_origin_surface && winds_with(shape.normal, sheared_plane) && t * cos_theta * step_m <= own_height_m;
-        // Of triangles at the same distance the first in the pool wins, in whatever order they are met.
-        if (met && t >= t_min && (t < t_max || (t == t_max && word < best)) && !own) {
+        // Of triangles at the same distance the first in the pool wins, in whatever order they are found.
+        if (inside && t >= t_min && (t < t_max || (t == t_max && word < best)) && !own) {
           t_max = t;
           best = word;
           if (any) {

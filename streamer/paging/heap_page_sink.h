@@ -8,7 +8,7 @@
 
 namespace zc {
 
-// A pool on the heap. All of it is touched at creation, so that the process holds what the ledger says from the start.
+// A pool on the heap. All of it is touched at creation, so that the process has what the ledger counts from the start.
 class HeapPageSink final : public PageSink {
  public:
   // costs: of the sink that it stands in for, so that the same is paged under the same cap.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One account of every byte that the system keeps. Bytes are reserved before they are taken, the sum never exceeds the
-// cap, and a Reservation gives its bytes back when it goes.
+// cap, and a Reservation returns its bytes when it is destroyed.
 // Threads: every method may be called from several threads at once · the ledger outlives its reservations and checks,
 // when it is destroyed, that nothing is left.
 #pragma once
@@ -32,7 +32,7 @@ struct LedgerUse {
 
 class Ledger;
 
-// Bytes held in one class of a ledger. Move-only; empty when default-constructed or moved from.
+// Bytes reserved in one class of a ledger. Move-only; empty when default-constructed or moved from.
 class Reservation {
  public:
   Reservation() = default;

@@ -47,7 +47,7 @@ bool LoadWorkers::cancel(std::uint64_t ticket) {
     if (const auto work = at_work_.find(ticket); work != at_work_.end()) work->second->cancel();
     return false;
   }
-  given_up = std::move(job->files);  // goes after the lock
+  given_up = std::move(job->files);  // destroyed after the lock
   queue_.erase(job);
   return true;
 }
@@ -85,7 +85,7 @@ void LoadWorkers::work(unsigned worker) {
     lock.lock();
     at_work_.erase(job.ticket);
     lock.unlock();
-    job.files.reset();  // before the result tells that its bytes are free
+    job.files.reset();  // before the result reports that its bytes are free
     lock.lock();
     scratch_free_bytes_ += scratch;
     scratch_freed_.notify_all();

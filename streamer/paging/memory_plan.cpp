@@ -132,7 +132,7 @@ Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& o
   const std::uint64_t smallest = smallest_cap_bytes(index, source_bytes, sink);
   if (options.cap_bytes < smallest)
     return Error{ErrorCode::kBudget, "a cap of " + std::to_string(options.cap_bytes) +
-                                         " bytes does not hold the root; the smallest cap that works is " +
+                                         " bytes is too small for the root; the smallest cap that works is " +
                                          std::to_string(smallest) + " bytes"};
   const std::uint64_t least_buffer = sink.buffer_fixed_bytes + sink.buffer_bytes_per_page + pool_bytes(root);
   if (sink.buffer_limit_bytes < least_buffer)
@@ -152,8 +152,8 @@ Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& o
     load = most_useful_room(index, options.include_detail, spare, load);
   spare -= load.scratch + load.request - before;
 
-  // Room for more than one at once: little of it while the pool cannot hold every page, for pages are what the cap is
-  // for. The number of threads has no say: what is selected must not depend on it.
+  // Room for more than one at once: little of it while the pool has no room for every page, for pages are what the cap
+  // is for. The number of threads does not count: what is selected must not depend on it.
   const std::uint64_t beyond_pages = spare - std::min(spare, pages.pool_bytes + pages.count * bytes_per_page);
   const std::uint64_t scratch =
       load.scratch * (1 + std::min<std::uint64_t>(3, std::max(spare / 16, beyond_pages / 4) / load.scratch));

@@ -17,7 +17,7 @@ namespace zc {
 inline constexpr std::uint64_t kFixedStateBytes = 64 << 10U;
 
 struct MemoryPlan {
-  std::uint64_t index_bytes = 0;  // and what the source holds
+  std::uint64_t index_bytes = 0;  // and what the source keeps
   std::uint64_t state_bytes = 0;
   std::uint64_t top_level_bytes = 0;  // the sink's, beside the pool
   std::uint64_t pool_bytes = 0;
@@ -30,8 +30,8 @@ struct MemoryPlan {
 // What a node may need at most to be loaded under this plan.
 [[nodiscard]] LoadLimits load_limits(const MemoryPlan& plan, bool include_detail);
 
-// What an index may take of the memory before it is known whether the cap holds it: what no cap of this size holds is
-// not read, however long a server goes on; a small one is, to name the cap that works.
+// What an index may take of the memory before it is known whether it fits under the cap: what no cap of this size has
+// room for is not read, however long a server sends; a small one is, to name the cap that works.
 [[nodiscard]] std::uint64_t index_limit_bytes(std::uint64_t cap_bytes);
 
 // The smallest cap under which a world opens: index, node state, the root's page, what loading it takes and what the

@@ -6,7 +6,7 @@
 // left of the budget is refined next, and its children are selected together, until the error is within the tolerance
 // in every view, later ones too. The weighted error of a node is the largest, over the views, of visible_error_m() /
 // distance, later views weighing less, and never more than its parent's. A node that was refined in the previous
-// selection counts 1.25 times. Where the eye looks has no say: a mirror shows what is behind it.
+// selection counts 1.25 times. Where the eye looks does not count: a mirror shows what is behind it.
 //
 // A refined node is needed until finer pages cover its ground; then it takes no more of the budget, and only what the
 // others leave keeps it resident, first where the camera will soon ask for it again. So the budget goes to what is
@@ -21,7 +21,7 @@
 // the greedy order keeps every refined node ahead of the same rivals, and each rival still finds too little room, until
 // something more is covered.
 //
-// The tree is looked at only below what is refined, so that the world's size has no say.
+// The tree is visited only below what is refined: the world's size does not count.
 #pragma once
 
 #include <array>
@@ -136,7 +136,7 @@ inline constexpr std::uint64_t kSelectionBytesPerPage =
     kSelectionNodesPerPage * (4 * sizeof(std::uint32_t) + sizeof(Selection::Candidate) + sizeof(Selection::Covered));
 
 // The cut that the tolerance asks for now, whatever the budget. What is asked for below a node none of whose children
-// is there counts as one node, so that the world's size has no say.
+// is there counts as one node: the world's size does not count.
 struct WantedCount {
   std::uint32_t nodes = 0;
   std::uint32_t missing = 0;  // of those: neither resident nor covered by finer pages

@@ -99,7 +99,7 @@ glm::vec3 metres(const std::array<double, 3>& lattice, const std::array<std::int
           static_cast<float>((lattice[2] - origin[2]) * step_m)};
 }
 
-// A view of a sound page, and rays that meet it: half of them in bundles, which packets are made of.
+// A view of a sound page, and rays that intersect it: half of them in bundles, which packets are made of.
 struct View {
   FrameCamera camera;
   std::vector<gpu::RayTask> rays;
@@ -173,7 +173,7 @@ class TracedCorruption : public testing::Test {
       most_nodes = std::max(most_nodes, PageView(page).header().node_count);
       views_.push_back(make_view(page, baked().step_m, i));
     }
-    // A traversal meets every node at most once, so that with so few it never reaches its bound of steps.
+    // A traversal visits every node at most once, so that with so few it never reaches its bound of steps.
     ASSERT_LT(2 * most_nodes + 64, 2000U);
     page_word_ = static_cast<std::uint32_t>((2 * kGap + neighbour().size()) / 4 * 4);
     const Status opened = tracer_.open(page_word_ + longest + 4 * kGap, baked().material_count);
@@ -231,7 +231,7 @@ TEST_F(TracedCorruption, IsRejectedOrTracesWithoutLeavingThePage) {
   counts.print(test::fuzz_seed());
   for (std::size_t kernel = 0; kernel < sums.size(); ++kernel) {
     const TraceVariant& variant = test::CheckedTracer::kKernels[kernel];
-    std::printf("  %s: %llu rays, %llu hits, %llu given back by packets\n", trace_variant_name(variant).c_str(),
+    std::printf("  %s: %llu rays, %llu hits, %llu left to fallback rays\n", trace_variant_name(variant).c_str(),
                 static_cast<unsigned long long>(sums[kernel].rays), static_cast<unsigned long long>(sums[kernel].hits),
                 static_cast<unsigned long long>(sums[kernel].alone));
     EXPECT_GT(sums[kernel].hits, sums[kernel].rays / 4);
@@ -247,7 +247,7 @@ TEST_F(TracedCorruption, IsRejectedOrTracesWithoutLeavingThePage) {
   EXPECT_EQ(tracer_.device().validation_messages(), 0U);
 }
 
-// The check itself: pages that nobody verified lead astray, and every kernel says so.
+// The check itself: pages that nobody verified lead astray, and every kernel reports it.
 TEST_F(TracedCorruption, IsReportedWhereNobodyVerifiedThePage) {
   const std::vector<std::uint32_t>& good = baked().pages[1];
   const gpu::PageHeader header = PageView(good).header();

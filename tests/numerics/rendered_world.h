@@ -61,8 +61,8 @@ class RenderedWorld {
     if (!folder_.empty()) std::filesystem::remove_all(folder_);
   }
 
-  // Every zone resident at its finest proxy; the host set holds the full detail.
-  // claimed_error_m: what the proxies' pages say of their error instead of what was measured.
+  // Every zone resident at its finest proxy; the host set has the full detail.
+  // claimed_error_m: the error that the proxies' pages name instead of what was measured.
   Status open(Scene scene, const BakeOptions& bake, HostOptions options,
               std::optional<float> claimed_error_m = std::nullopt) {
     std::string pattern = (std::filesystem::temp_directory_path() / "zonecast-numerics-XXXXXX").string();

@@ -58,10 +58,13 @@ class Pool {
 
   // Builds the top level behind the pages and follows every reference.
   void expect_sound() {
+    const std::vector<std::uint32_t> pool = words_;
     std::vector<PageRoot> roots;
     for (const std::uint32_t word : page_words_) roots.push_back(page_root(std::span(words_).subspan(word)));
     std::vector<TracedPage> pages;
-    for (std::size_t i = 0; i < roots.size(); ++i) pages.push_back({page_words_[i], &roots[i]});
+    for (std::size_t i = 0; i < roots.size(); ++i)
+      pages.push_back(
+          traced_page(page_words_[i], roots[i], std::as_bytes(std::span(pool)).data() + 4 * page_words_[i]));
     const auto first = static_cast<std::uint32_t>((words_.size() + 3) / 4 * 4);
     TopLevelBuilder top;
     top.build(pages, first);
