@@ -6,7 +6,6 @@
 
 #include "replay/paths/world_tour.h"
 #include "replay/report/thesis_table.h"
-#include "runtime/scene/zone_set.h"
 #include "shaders/shared/page.h"
 #include "streamer/paging/memory_plan.h"
 #include "streamer/paging/page_loader.h"
@@ -145,7 +144,7 @@ nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index) {
   json["bounds_m"] = {{"min", {bounds.min.x, bounds.min.y, bounds.min.z}},
                       {"max", {bounds.max.x, bounds.max.y, bounds.max.z}}};
   json["decoded_bytes"] = decoded;
-  json["smallest_cap_bytes"] = smallest_cap_bytes(index, source.held_bytes(), ZoneSet::costs_anywhere());
+  json["smallest_cap_bytes"] = smallest_cap_bytes(index, source.held_bytes());
   json["levels"] = nlohmann::ordered_json::array();
   for (const auto& [depth, level] : levels) {
     nlohmann::ordered_json row = {{"depth", depth}, {"detail", false}};

@@ -18,7 +18,7 @@ Error in_world(Error error, const std::filesystem::path& world) {
 
 }  // namespace
 
-PagedScene::PagedScene() : heap_(std::in_place, ZoneSet::costs_anywhere()) {}
+PagedScene::PagedScene() : heap_(std::in_place) {}
 
 PagedScene::PagedScene(Device& device, const ZoneSetOptions& options) : zones_(std::in_place, device, options) {}
 
