@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A world's zones, paged into a set that can be drawn or traced; without a device onto the heap, under the same costs,
-// so that the same is paged. Errors name the world.
-// Owns the set and the streamer; borrows the device and the source. Threads: as Streamer.
+// A world's zones, paged into a set that can be drawn or traced; without a device onto the heap, which costs nothing
+// but its pool. Errors name the world. Owns the set and the streamer; borrows the device and the source. Threads: as
+// Streamer.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -14,6 +16,13 @@
 #include "streamer/streamer.h"
 
 namespace zc {
+
+// A device whose pool the CPU does not see takes staging memory, so much that a frame's pages wait for its queue once.
+inline ZoneSetOptions staging_for(const Device& device, std::uint64_t cap_bytes) {
+  ZoneSetOptions options;
+  if (!device.is_cpu()) options.staging_bytes = std::clamp<std::uint64_t>(cap_bytes / 16, 64U << 10U, 8U << 20U);
+  return options;
+}
 
 class PagedScene {
  public:

@@ -34,7 +34,10 @@ class ReplayDrawing {
 
  private:
   ReplayDrawing(const ReplayOptions& options, Device& device, const PagedScene& proxies)
-      : options_(options), device_(device), proxies_(proxies), full_detail_(device) {}
+      : options_(options),
+        device_(device),
+        proxies_(proxies),
+        full_detail_(device, staging_for(device, options.host_budget_bytes)) {}
   Status open_full_detail(Source& source);
   Status open_host();
   Status save_pictures(std::uint64_t frame, std::size_t which, const CameraSample& sample, const FrameCamera& camera,

@@ -45,7 +45,7 @@ class Session {
  private:
   Status open_world() {
     if (device_)
-      scene_.emplace(*device_);
+      scene_.emplace(*device_, staging_for(*device_, options_.streamer.cap_bytes));
     else
       scene_.emplace();
     StreamerOptions paging = options_.streamer;
