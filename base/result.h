@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one error type of the house: a function that can fail returns Result<T>; nothing below `main` exits.
+// The one error type: a function that can fail returns Result<T>; nothing below `main` exits.
 // Library exceptions end at the adapter that called the library.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The binary BVH that every builder of this room makes and the collapse to wide nodes consumes: one reference a leaf.
+// The binary BVH that every builder of this folder makes and the collapse to wide nodes consumes: one reference a leaf.
 // Coordinates are 16-bit lattice units of one zone, so boxes bound exactly. Thread-safe: plain values.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From triangles to the wide tree of a zone: the builders of this room, selectable so that they can be compared, and
+// From triangles to the wide tree of a zone: the builders of this folder, selectable so that they can be compared, and
 // `auto`, which keeps the candidate that costs least to trace (simulate.h), bytes considered: binned SAH with
 // reinsertion, without where that comes out too deep, and SBVH. Deterministic. Thread-safe: no state, one call a zone
 // from any thread.

@@ -22,7 +22,7 @@ struct TreeFigures {
   std::uint64_t references = 0;
   std::uint32_t depth = 0;
   std::uint64_t page_bytes = 0;
-  double sah_cost = 0;           // of a random ray that meets the zone's box
+  double sah_cost = 0;           // of a random ray that hits the zone's box
   double ray_cost = 0;           // of a representative ray
   std::uint64_t mismatches = 0;  // representative rays that do not find the nearest triangle
 };

@@ -69,7 +69,7 @@ class Oracle {
   std::vector<Node> nodes_;
 };
 
-// Distance along the ray at which it meets the triangle, edges included, or infinity. May be negative.
+// Distance along the ray at which it hits the triangle, edges included, or infinity. May be negative.
 double intersect(const OracleRay& ray, const std::array<glm::dvec3, 3>& corners);
 double distance_to_triangle(const glm::dvec3& point, const std::array<glm::dvec3, 3>& corners);
 
@@ -78,7 +78,7 @@ enum class Verdict : std::uint8_t { kSame, kTied, kMissedByBoth, kMismatch };
 Verdict judge(const Oracle& oracle, const BenchRay& ray, const OracleHit& expected, const BenchHit& reported,
               std::size_t triangle_count);
 
-// Of an engine that says only whether something is hit. A ray that meets nothing may still be stopped where it passes
+// Of an engine that says only whether something is hit. A ray that hits nothing may still be stopped where it passes
 // within rounding of a triangle; of which is not known, so that the bound is that of the farthest one.
 Verdict judge_any_hit(const Oracle& oracle, const BenchRay& ray, const OracleHit& expected, const BenchHit& reported,
                       std::size_t triangle_count);

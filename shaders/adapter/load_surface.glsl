@@ -10,7 +10,8 @@
 // Direction through a point of the image, in pixels; not normalised: its component along `forward` is 1.
 vec3 view_direction(vec2 pixel) {
   const vec2 ndc = pixel / vec2(frame_size()) * 2.0 - 1.0;
-  return frame.forward.xyz + frame.right.xyz * (ndc.x * frame.tan_half_fov_x) - frame.up.xyz * (ndc.y * frame.tan_half_fov_y);
+  return frame.forward.xyz + frame.right.xyz * (ndc.x * frame.tan_half_fov_x) -
+         frame.up.xyz * (ndc.y * frame.tan_half_fov_y);
 }
 
 struct Surface {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stand-in host's G-buffer: pulls a zone's triangles straight from its page; one draw a zone, the slot is the instance.
+// The stand-in host's G-buffer: pulls a zone's triangles straight from its page; one draw a zone, the slot is the
+// instance.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/zone_bindings.glsl"

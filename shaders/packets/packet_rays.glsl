@@ -90,8 +90,8 @@ bool next_group(uint first_ray, out RayGroup group, out Frustum frustum) {
   return true;
 }
 
-// After hits: the frustum ends where the farthest ray does; with kAnyHit it is that of the rays without one. False: none
-// is left.
+// After hits: the frustum ends where the farthest ray does; with kAnyHit it is that of the rays without one. False:
+// none is left.
 bool shrink_frustum(RayGroup group, inout Frustum frustum) {
   if (kAnyHit != 0u) {
     frustum = empty_frustum(group.start, group.forward);

@@ -2,12 +2,12 @@
 // Closest or any hits of a packet of rays by a lane group of eight invocations, against one set of zones in some layout
 // (page_layout.glsl, page_layout_group.glsl). Every invocation owns kRaysPerLane rays (packet_rays.glsl), but nodes and
 // triangles are culled the other way round: invocation = child box, then invocation = triangle, each against a frustum
-// that contains all rays of a group (frustum.glsl). Only the triangles that are left are tested invocation = ray. A node
-// thus costs about the same for eight rays and for sixty-four, and is fetched and decoded once.
+// that contains all rays of a group (frustum.glsl). Only the triangles that are left are tested invocation = ray. A
+// node thus costs about the same for eight rays and for sixty-four, and is fetched and decoded once.
 //
 // What does not pay becomes a fallback ray of the traversal of single rays: groups that are too small, and groups whose
-// frustum intersected more than kStepsPerRay nodes and batches of triangles a ray. Both traversals find the same triangle, so it
-// does not matter which did.
+// frustum intersected more than kStepsPerRay nodes and batches of triangles a ray. Both traversals find the same
+// triangle, so it does not matter which did.
 //
 // With kAnyHit a ray that has a hit leaves the group, and the frustum shrinks to those that are left.
 

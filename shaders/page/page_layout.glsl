@@ -7,8 +7,8 @@
 
 const uint PAGE_NAME(node_words) = kPageNodeWords;
 
-// The children that a ray intersects between t_min and t_max, one bit a slot. The origin is in lattice units relative to the
-// camera's lattice point.
+// The children that a ray intersects between t_min and t_max, one bit a slot. The origin is in lattice units relative
+// to the camera's lattice point.
 uint PAGE_NAME(hit_children)(uint node, vec3 origin, vec3 reciprocal, bvec3 backward, float t_min, float t_max,
                              out NodeRefs refs) {
   const uvec4 h0 = PAGE_NAME(load4)(node);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Gathers the pixels whose surface mirrors; nothing later runs for the others. Those of a tile of 8×8 pixels stay
-// together, wherever the list's tiles come from: packets of rays are as coherent as that. On a CPU an invocation takes a
-// tile; on a GPU a workgroup does, with a thread a pixel.
+// together, wherever the list's tiles come from: packets of rays are as coherent as that. On a CPU an invocation takes
+// a tile; on a GPU a workgroup does, with a thread a pixel.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "passes/bindings.glsl"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Screen-space reflections by Hi-Z traversal (Uludag 2014, "Hi-Z Screen-Space Cone-Traced Reflections", GPU Pro 5),
-// with one difference: there is no thickness constant. A crossing counts as a hit where the ray meets the tangent plane
-// of the pixel's surface within that pixel, or next to it on the same plane; else the ray went behind something:
+// with one difference: there is no thickness constant. A crossing counts as a hit where the ray intersects the tangent
+// plane of the pixel's surface within that pixel, or next to it on the same plane; else the ray went behind something:
 // *occluded*. Every ray ends as hit, sky, occluded, off-screen or exhausted; the last three go on against the proxies
 // from the last point that was verified free.
 #version 460

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stages that only read bind: camera, zones, pages and materials. Stages that draw may not declare buffers that can
-// be written.
+// What stages that only read bind: camera, zones, pages and materials. Stages that draw may not declare buffers that
+// can be written.
 #include "shared/frame.h"
 #include "shared/page.h"
 #include "shared/scene.h"

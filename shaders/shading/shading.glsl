@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The one shading function: primary surfaces, screen hits and proxy hits all go through it, so that no seam shows where
-// one kind of hit ends and the next begins (the thesis's visible colour change). Needs surface_attributes.glsl and adapter/sky.glsl.
+// one kind of hit ends and the next begins (the thesis's visible colour change). Needs surface_attributes.glsl and
+// adapter/sky.glsl.
 
 // Share of a material's specular light that reads as a mirror image; rough surfaces keep only diffuse light.
 float mirror_share(float roughness) {

@@ -126,7 +126,7 @@ struct ResolvedHit {
   uint triangle;   // its position in that page; undefined where nothing was hit
 };
 
-// Rays that a packets left to fallback rays: bit 8 * (lane % 4) + r of mask lane / 4 stands for ray first_ray + 8 * r +
+// Rays that packets left to fallback rays: bit 8 * (lane % 4) + r of mask lane / 4 stands for ray first_ray + 8 * r +
 // lane.
 struct FallbackRays {
   uint first_ray;

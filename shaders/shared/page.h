@@ -51,7 +51,7 @@ ZC_CONST(uint, kPageMaxDepth, 16u);
 
 // Flags of a page.
 ZC_CONST(uint, kPageSplitTriangles, 1u);  // some triangles are in several leaves, each of which holds only a part
-ZC_CONST(uint, kPageAppearances, 2u);     // the palette is of Looks; without it, of 16-bit materials, two to a word
+ZC_CONST(uint, kPageAppearances, 2u);  // the palette is of Appearances; without it, of 16-bit materials, two to a word
 ZC_CONST(uint, kPageLight, 4u);           // its clusters have light
 ZC_CONST(uint, kPageNormals, 8u);         // some of its clusters have normals
 ZC_CONST(uint, kPageFlags, 15u);          // all there are
@@ -127,9 +127,9 @@ struct ClusterHeader {
 };
 
 struct Appearance {
-  uint material;  // 16 bits; from bit 16 what colours it (kLook…, 2 bits); from bit 18 the axis that its chart is seen
-                  // along (2 bits); from bit 20 log2 of how much wider than the zone's its texels are (3 bits); from
-                  // bit 23 by how many 32nds of a power of two texels and colour are too bright (8 bits)
+  uint material;  // 16 bits; from bit 16 what colours it (kAppearance…, 2 bits); from bit 18 the axis that its chart is
+                  // seen along (2 bits); from bit 20 log2 of how much wider than the zone's its texels are (3 bits);
+                  // from bit 23 by how many 32nds of a power of two texels and colour are too bright (8 bits)
   uint place;  // kAppearanceColor: sRGB, 8 bits each; kAppearanceTextured: added to the texel, u and v, 16 bits each,
                // signed
 };

@@ -107,9 +107,10 @@ float plane_at(uint planes, int i) {
   return uintBitsToFloat(((i == 0 ? planes << 8 : planes >> (8 * i - 8)) & 0xFF00u) | 0x3F800000u);
 }
 
-// Four children at once: bit i is set when the ray intersects child i between t_min and t_max. Distances are compared as
-// integers: IEEE floats of one sign order alike, and a negative exit distance loses to t_min >= 0 however it compares
-// with other negatives. (A minimum of floats costs llvmpipe three instructions for NaN, one of integers costs one.)
+// Four children at once: bit i is set when the ray intersects child i between t_min and t_max. Distances are compared
+// as integers: IEEE floats of one sign order alike, and a negative exit distance loses to t_min >= 0 however it
+// compares with other negatives. (A minimum of floats costs llvmpipe three instructions for NaN, one of integers costs
+// one.)
 uint hit_four(SlabTest s, uint near_x, uint near_y, uint near_z, uint far_x, uint far_y, uint far_z, float t_min,
               float t_max) {
   const int least = floatBitsToInt(t_min);

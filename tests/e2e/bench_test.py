@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`zonecast bench trace`: every engine that runs here meets the same triangles as double precision does."""
+"""`zonecast bench trace`: every engine that runs here hits the same triangles as double precision does."""
 
 import array
 import json

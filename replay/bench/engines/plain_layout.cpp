@@ -107,7 +107,7 @@ class Tree {
   std::span<const std::uint32_t> pool_;
 };
 
-// A slot without a child is a box that no ray meets.
+// A slot without a child is a box that no ray hits.
 std::array<std::uint32_t, 6> planes_of(const NodeBox& box) {
   if (box.empty()) {
     constexpr float kFar = std::numeric_limits<float>::max();

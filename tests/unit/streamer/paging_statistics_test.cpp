@@ -280,7 +280,7 @@ TEST(Cameras, share_one_budget_and_each_gets_what_it_asks_for) {
   EXPECT_EQ(leaves(together), leaves(first) + leaves(second));
 }
 
-TEST(Cameras, teleports_and_reversals_of_two_cameras_stay_under_the_cap_and_repeat_at_any_thread_count) {
+TEST(Cameras, camera_cuts_and_reversals_of_two_cameras_stay_under_the_cap_and_repeat_at_any_thread_count) {
   const double size = test::tiny_world_size_m({.levels = 4});
   std::uint64_t pages = 0;
   for (const NodeRecord& node : world().index.nodes) pages += pool_bytes(node);

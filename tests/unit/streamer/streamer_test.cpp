@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <thread>
 
 #include "streamer/paging/heap_page_sink.h"
 #include "streamer/paging/memory_plan.h"
@@ -329,8 +331,24 @@ TEST(Streamer, on_a_wall_clock_settling_waits_for_every_selected_node) {
   EXPECT_EQ(s.frame.in_flight, 0U);
 }
 
+// As slow as a disk: loads are under way when the camera has gone on.
+class SlowSource final : public Source {
+ public:
+  explicit SlowSource(test::Files files) : files_(std::move(files)) {}
+  Result<std::vector<std::byte>> read(const std::string& name, std::uint64_t bytes) override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    return files_.read(name, bytes);
+  }
+  Result<std::vector<std::byte>> read_all(const std::string& name, std::uint64_t limit_bytes) override {
+    return files_.read_all(name, limit_bytes);
+  }
+
+ private:
+  MemorySource files_;
+};
+
 TEST(Streamer, on_a_wall_clock_covers_the_world_while_it_cancels) {
-  MemorySource source(world().files);
+  SlowSource source(world().files);
   HeapPageSink sink;
   StreamerOptions options = options_for(cap_for(0.8));
   options.clock = ClockKind::kWall;
@@ -339,6 +357,7 @@ TEST(Streamer, on_a_wall_clock_covers_the_world_while_it_cancels) {
   for (int round = 0; round < 5; ++round)
     ASSERT_TRUE(drive(**streamer, [&](int f) {
                   if (f % 40 == 0) check_cut(**streamer, sink);
+                  std::this_thread::sleep_for(std::chrono::microseconds(500));
                 }).ok());
   EXPECT_GT((*streamer)->statistics().requests.cancelled, 0U);
 }
