@@ -34,5 +34,5 @@ inline bool check_picture(std::span<const std::byte> halves, std::uint32_t width
   std::printf("%u pixels mirror, %u above the horizon; %u show the box, %u the sky; %u rays hit zones\n", mirrors,
               wrong, red, sky, c.rays_proxy);
   return wrong == 0 && mirrors == c.pixel_count && red >= 500 && c.rays_screen >= 500 && sky >= 500 &&
-         c.rays_proxy >= 2000;
+         c.rays_proxy >= 1000;
 }
