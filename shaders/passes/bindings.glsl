@@ -19,6 +19,9 @@ layout(set = 0, binding = kBindReflection, rgba16f) uniform writeonly image2D re
 layout(constant_id = 5) const uint kCheckAccess = 0u;
 #define ACCESS_COUNTER counters.out_of_page
 
+// 1: as GPUs like it, with a thread a pixel and counters raised once a subgroup; 0: as CPUs do.
+layout(constant_id = 10) const uint kThreadPerPixel = 0u;
+
 // A queued ray, by the path that pages are read by.
 RayTask load_ray(uint index) {
   if (kPoolPath != kPoolTexels) return rays[index];

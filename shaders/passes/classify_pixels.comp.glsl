@@ -11,8 +11,6 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(constant_id = 10) const uint kThreadPerPixel = 0u;
-
 const uint kTile = 8u;
 
 shared uint tile_found[2];  // bit per pixel: rows 0 to 3, then 4 to 7
