@@ -52,9 +52,9 @@ ZC_CONST(uint, kPageMaxDepth, 16u);
 // Flags of a page.
 ZC_CONST(uint, kPageSplitTriangles, 1u);  // some triangles are in several leaves, each of which holds only a part
 ZC_CONST(uint, kPageAppearances, 2u);  // the palette is of Appearances; without it, of 16-bit materials, two to a word
-ZC_CONST(uint, kPageLight, 4u);           // its clusters have light
-ZC_CONST(uint, kPageNormals, 8u);         // some of its clusters have normals
-ZC_CONST(uint, kPageFlags, 15u);          // all there are
+ZC_CONST(uint, kPageLight, 4u);        // its clusters have light
+ZC_CONST(uint, kPageNormals, 8u);      // some of its clusters have normals
+ZC_CONST(uint, kPageFlags, 15u);       // all there are
 
 // Above a cluster's counts.
 ZC_CONST(uint, kClusterVertexBits, 9u);
