@@ -33,8 +33,8 @@ Reflections::~Reflections() {
 }
 
 Features Reflections::features() const {
-  if (options_.general) return {true, options_.screen, options_.thread_per_pixel.value_or(!device_.is_cpu())};
-  return {smoothest_ < options_.roughness_cut, options_.screen, options_.thread_per_pixel.value_or(!device_.is_cpu())};
+  return {options_.general || smoothest_ < options_.roughness_cut, options_.screen,
+          options_.thread_per_pixel.value_or(!device_.is_cpu())};
 }
 
 Status Reflections::create_buffers(std::span<const gpu::MaterialEntry> materials) {

@@ -78,16 +78,11 @@ Status StandInHost::create(std::span<const gpu::MaterialEntry> materials) {
   return create_programs();
 }
 
-Status StandInHost::create_reflections() {
-  const auto mode = options_.reflections;
-  if (mode == ReflectionMode::kNone) {
-    reflections_.reset();
-    return {};
-  }
+ReflectionsOptions StandInHost::reflections_options() const {
   ReflectionsOptions r;
   r.width = options_.width;
   r.height = options_.height;
-  r.screen = mode == ReflectionMode::kScreenAndProxy;
+  r.screen = options_.reflections == ReflectionMode::kScreenAndProxy;
   r.roughness_cut = options_.roughness_cut;
   r.screen_steps = options_.screen_steps;
   r.page_depth = options_.page_depth;
@@ -98,8 +93,16 @@ Status StandInHost::create_reflections() {
   r.general = options_.leave_nothing_out;
   r.thread_per_pixel = options_.thread_per_pixel;
   r.check_access = options_.check_access;
-  const ZoneSet& traced = mode == ReflectionMode::kFull ? full_detail_ : proxies_;
-  ZC_ASSIGN(reflections_, Reflections::create(device_, traced, material_entries_, r));
+  return r;
+}
+
+Status StandInHost::create_reflections() {
+  if (options_.reflections == ReflectionMode::kNone) {
+    reflections_.reset();
+    return {};
+  }
+  const ZoneSet& traced = options_.reflections == ReflectionMode::kFull ? full_detail_ : proxies_;
+  ZC_ASSIGN(reflections_, Reflections::create(device_, traced, material_entries_, reflections_options()));
   return {};
 }
 
@@ -134,14 +137,7 @@ Status StandInHost::reconfigure(const HostOptions& options) {
   options_ = options;
   if (!same_zones || reflections_ == nullptr || options.reflections == ReflectionMode::kNone)
     return create_reflections();
-  ReflectionsOptions r = reflections_->options();
-  r.screen = options.reflections == ReflectionMode::kScreenAndProxy;
-  r.roughness_cut = options.roughness_cut;
-  r.screen_steps = options.screen_steps;
-  r.trace = options.trace;
-  r.general = options.leave_nothing_out;
-  r.thread_per_pixel = options.thread_per_pixel;
-  return reflections_->reconfigure(r);
+  return reflections_->reconfigure(reflections_options());
 }
 
 const TraceVariant& StandInHost::trace_variant() const {

@@ -95,6 +95,7 @@ class StandInHost {
       : device_(device), proxies_(proxies), full_detail_(full_detail), options_(options), programs_(device) {}
   Status create(std::span<const gpu::MaterialEntry> materials);
   Status create_programs();
+  [[nodiscard]] ReflectionsOptions reflections_options() const;
   Status create_reflections();
   void write_frame(const FrameCamera& camera);
   void dispatch_pixels(VkCommandBuffer c, Program& program, const gpu::PassConstants* constants = nullptr);

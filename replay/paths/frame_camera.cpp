@@ -9,32 +9,26 @@
 namespace zc {
 namespace {
 
-// The eye in lattice units, relative to the world's anchor. Fails where the renderer's 32-bit lattice does not reach.
-Result<glm::dvec3> lattice_eye(const WorldIndex& index, const CameraSample& sample) {
-  glm::dvec3 lattice;
+// Fails where the renderer's 32-bit lattice does not reach.
+Status check_reach(const WorldIndex& index, const CameraSample& sample) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<std::size_t>(axis);
-    lattice[axis] = sample.eye[axis] / index.step_m() - static_cast<double>(index.header.anchor[i]);
-    const double above = lattice[axis] - index.header.bounds_min[i];
-    const double below = index.header.bounds_max[i] - lattice[axis];
-    if (!(std::abs(lattice[axis]) < 2e9 && std::abs(above) < 2e9 && std::abs(below) < 2e9))
+    const double lattice = sample.eye[axis] / index.step_m() - static_cast<double>(index.header.anchor[i]);
+    const double above = lattice - index.header.bounds_min[i];
+    const double below = index.header.bounds_max[i] - lattice;
+    if (!(std::abs(lattice) < 2e9 && std::abs(above) < 2e9 && std::abs(below) < 2e9))
       return Error{ErrorCode::kUnsupported, "the camera at " + std::to_string(sample.time_s) +
                                                 " s lies too far from the world: do path and world share a CRS?"};
   }
-  return lattice;
+  return {};
 }
 
 }  // namespace
 
 Result<FrameCamera> make_camera(const WorldIndex& index, const CameraSample& sample) {
-  ZC_ASSIGN(const glm::dvec3 lattice, lattice_eye(index, sample));
+  ZC_TRY(check_reach(index, sample));
   FrameCamera camera;
-  camera.step_m = index.step_m();
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto i = static_cast<std::size_t>(axis);
-    camera.lattice[i] = static_cast<std::int32_t>(std::llround(lattice[axis]));
-    camera.eye[axis] = static_cast<float>((lattice[axis] - camera.lattice[i]) * camera.step_m);
-  }
+  place_eye(camera, sample.eye, index.header.anchor, index.step_m());
   const glm::dvec3 forward = glm::normalize(sample.target - sample.eye);
   const glm::dvec3 up = std::abs(forward.z) > 0.9999 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
   const glm::dvec3 right = glm::normalize(glm::cross(forward, up));
