@@ -37,13 +37,14 @@ bool worse_eviction(const Eviction& a, const Eviction& b) {
 
 class Streamer::Impl {
  public:
-  Impl(Source& source, PageSink& sink, const StreamerOptions& options, std::unique_ptr<Ledger> ledger, WorldIndex index,
-       const MemoryPlan& plan)
+  Impl(Source& source, PageSink& sink, const StreamerOptions& options, std::unique_ptr<Ledger> ledger,
+       std::unique_ptr<HeldIndex> index, const MemoryPlan& plan)
       : source_(source),
         sink_(sink),
         options_(options),
         ledger_(std::move(ledger)),
-        index_(std::move(index)),
+        held_index_(std::move(index)),
+        index_(held_index_->view()),
         plan_(plan),
         limits_(load_limits(plan, options.include_detail)),
         nodes_(index_.nodes.size()),
@@ -62,7 +63,7 @@ class Streamer::Impl {
   Status start() {
     reserve_fixed();
     ZC_TRY(sink_.create(plan_.pool_bytes / 4, plan_.pages));
-    const NodeRecord& root = index_.nodes[0];
+    const NodeRecord root = index_.nodes[0];
     const std::optional<Reservation> compressed = ledger_->try_reserve(LedgerClass::kInFlight, compressed_bytes(root));
     const std::optional<Reservation> decoded = ledger_->try_reserve(LedgerClass::kDecoded, root.page_bytes);
     ZC_CHECK(compressed && decoded);
@@ -75,12 +76,19 @@ class Streamer::Impl {
     marks_[0] = kMarkSelected;
     marked_.assign(1, 0);
     ZC_TRY(show(ErrorMeter(index_, {})));
-    workers_ = std::make_unique<LoadWorkers>(source_, index_, std::min(options_.threads, options_.max_in_flight),
-                                             plan_.scratch_bytes);
+    blocks_read_by_opening_ = held_index_->blocks_read();
+    workers_ = std::make_unique<LoadWorkers>(source_, index_.materials.size(),
+                                             std::min(options_.threads, options_.max_in_flight), plan_.scratch_bytes);
     return {};
   }
 
-  Status advance(std::span<const View> views, double time_s) {
+  Status advance(std::span<const View> views, double time_s) try {
+    return advance_frame(views, time_s);
+  } catch (const IndexFault& fault) {
+    return fault.error();
+  }
+
+  Status advance_frame(std::span<const View> views, double time_s) {
     ++frame_;
     time_s_ = time_s;
     error_of_.emplace(index_, views);
@@ -111,6 +119,8 @@ class Streamer::Impl {
     out.pool_bytes = plan_.pool_bytes;
     out.buffer_limit_bytes = sink_.costs().buffer_limit_bytes;
     out.pool_limited_by_sink = plan_.pool_limited_by_sink;
+    out.index_in_memory = held_index_->in_memory();
+    out.index_blocks_read = held_index_->blocks_read() - blocks_read_by_opening_;
     out.ledger = ledger_->total();
     for (std::size_t c = 0; c < kLedgerClassCount; ++c)
       out.ledger_classes[c] = ledger_->use(static_cast<LedgerClass>(c));
@@ -126,7 +136,7 @@ class Streamer::Impl {
 
   void observe(PagingObserver& observer) { observers_.push_back(&observer); }
 
-  [[nodiscard]] const WorldIndex& index() const { return index_; }
+  [[nodiscard]] const IndexView& index() const { return index_; }
   [[nodiscard]] std::uint64_t pool_words() const { return plan_.pool_bytes / 4; }
   [[nodiscard]] const PagePool& pool() const { return pool_; }
 
@@ -220,7 +230,7 @@ class Streamer::Impl {
       if (loads_.size() >= std::max(options_.max_in_flight, 1U)) break;
       NodeState& node = nodes_[n];
       if (node.phase != NodePhase::kAbsent || node.retry_at_s > time_s_) continue;
-      const NodeRecord& record = index_.nodes[n];
+      const NodeRecord record = index_.nodes[n];
       std::optional<Reservation> compressed = ledger_->try_reserve(LedgerClass::kInFlight, compressed_bytes(record));
       if (!compressed) break;  // in strict order, so that a large page is not passed over for ever
       std::optional<Reservation> decoded = ledger_->try_reserve(LedgerClass::kDecoded, record.page_bytes);
@@ -234,7 +244,7 @@ class Streamer::Impl {
       load.compressed = std::move(*compressed);
       load.decoded = std::move(*decoded);
       schedule(load);
-      workers_->submit(load.ticket, n);
+      workers_->submit(load.ticket, record);
       loads_.push_back(std::move(load));
       node.phase = NodePhase::kLoading;
       node.prefetched = prefetch_.asked_for(n, *error_now_, options_.tolerance) ? 0 : 1;
@@ -465,7 +475,9 @@ class Streamer::Impl {
   const StreamerOptions options_;
   std::unique_ptr<Ledger> ledger_;  // before everything that keeps a reservation
   std::vector<Reservation> fixed_;
-  const WorldIndex index_;
+  const std::unique_ptr<HeldIndex> held_index_;
+  const IndexView index_;
+  std::uint64_t blocks_read_by_opening_ = 0;
   const MemoryPlan plan_;
   const LoadLimits limits_;
 
@@ -499,20 +511,24 @@ class Streamer::Impl {
   std::unique_ptr<LoadWorkers> workers_;  // last: its threads stop first
 };
 
-Result<std::unique_ptr<Streamer>> Streamer::open(Source& source, const StreamerOptions& options, PageSink& sink) {
-  ZC_ASSIGN(WorldIndex index, read_world_index(source, {}, index_limit_bytes(options.cap_bytes)));
-  ZC_ASSIGN(const MemoryPlan plan, plan_memory(index, options, source.held_bytes(), sink.costs()));
+Result<std::unique_ptr<Streamer>> Streamer::open(Source& source, const StreamerOptions& options, PageSink& sink) try {
+  ZC_ASSIGN(std::unique_ptr<HeldIndex> held,
+            HeldIndex::open(source, index_room_bytes(options.cap_bytes), index_limit_bytes(options.cap_bytes)));
+  const IndexView index = held->view();
+  ZC_ASSIGN(const MemoryPlan plan, plan_memory(index, options, source.costs(), sink.costs()));
   auto ledger = std::make_unique<Ledger>(options.cap_bytes);
   {
-    // A source behind a network had both a moment ago: the plan has made sure that this is under the cap, and it shows
-    // in the peak.
-    const std::optional<Reservation> raw = ledger->try_reserve(LedgerClass::kInFlight, index.resident_bytes());
-    const std::optional<Reservation> decoded = ledger->try_reserve(LedgerClass::kIndex, plan.index_bytes);
-    ZC_CHECK(raw && decoded);
+    // Both were there a moment ago: the plan has made sure that this is under the cap, and it shows in the peak.
+    const std::optional<Reservation> opening =
+        ledger->try_reserve(LedgerClass::kInFlight, opening_bytes(index, source.costs()));
+    const std::optional<Reservation> kept = ledger->try_reserve(LedgerClass::kIndex, plan.index_bytes);
+    ZC_CHECK(opening && kept);
   }
-  auto impl = std::make_unique<Impl>(source, sink, options, std::move(ledger), std::move(index), plan);
+  auto impl = std::make_unique<Impl>(source, sink, options, std::move(ledger), std::move(held), plan);
   ZC_TRY(impl->start());
   return std::unique_ptr<Streamer>(new Streamer(std::move(impl)));
+} catch (const IndexFault& fault) {
+  return fault.error();
 }
 
 Streamer::Streamer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -520,7 +536,7 @@ Streamer::~Streamer() = default;
 
 Status Streamer::advance(std::span<const View> views, double time_s) { return impl_->advance(views, time_s); }
 void Streamer::observe(PagingObserver& observer) { impl_->observe(observer); }
-const WorldIndex& Streamer::index() const { return impl_->index(); }
+IndexView Streamer::index() const { return impl_->index(); }
 std::uint64_t Streamer::pool_words() const { return impl_->pool_words(); }
 std::span<const std::uint32_t> Streamer::rendered_cut() const { return impl_->pool().rendered_cut(); }
 std::uint64_t Streamer::rendered_cut_generation() const { return impl_->pool().rendered_cut_generation(); }

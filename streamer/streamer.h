@@ -7,6 +7,9 @@
 // asks for that, while an ancestor covers.
 // Several cameras share it all: their views are one set, and a node counts for the camera that it matters to the most.
 //
+// An index that would take more than its share of the cap stays in its file; nodes are read in blocks when they are
+// looked at, by the calling thread.
+//
 // Owns: index, ledger, worker threads · borrows: the source and the sink, which outlive it · threads: all methods on
 // one thread; the source is called from workers, the sink only inside open() and advance() · untrusted input: index and
 // pages are checked before use, and no broken file but the index and the root's is fatal.
@@ -28,7 +31,7 @@
 #include "streamer/source/source.h"
 #include "streamer/statistics/paging_observer.h"
 #include "streamer/statistics/statistics.h"
-#include "streamer/world_format/world_index.h"
+#include "streamer/world_format/index_view.h"
 
 namespace zc {
 
@@ -43,13 +46,14 @@ class Streamer {
 
   // One frame: `views` are every camera's current view (the cameras always in the same order) and look-ahead views;
   // time_s never decreases.
-  // Fails only when the sink fails.
+  // Fails only when the sink fails, or when nodes that are not in memory can no longer be read.
   Status advance(std::span<const View> views, double time_s);
 
   // Borrows it from now on, beside those before.
   void observe(PagingObserver& observer);
 
-  [[nodiscard]] const WorldIndex& index() const;
+  // Its nodes throw IndexFault when they are not in memory and their file is not as it was.
+  [[nodiscard]] IndexView index() const;
   [[nodiscard]] std::uint64_t pool_words() const;
 
   // Resident nodes that together cover the whole world exactly once, sorted by id; valid until the next advance().

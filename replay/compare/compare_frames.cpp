@@ -25,8 +25,7 @@ Result<std::vector<std::size_t>> chosen_places(const CameraPath& path, const std
 
 }  // namespace
 
-Result<std::vector<CompareFrame>> choose_frames(Source& source, const WorldIndex& index,
-                                                const CompareOptions& options) {
+Result<std::vector<CompareFrame>> choose_frames(Source& source, const IndexView& index, const CompareOptions& options) {
   CameraPath path = options.path;
   if (path.empty()) {
     ZC_ASSIGN(path, tour_of(source, index));

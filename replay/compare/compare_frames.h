@@ -8,7 +8,7 @@
 #include "base/result.h"
 #include "replay/compare/compare.h"
 #include "replay/paths/camera_path.h"
-#include "streamer/world_format/world_index.h"
+#include "streamer/world_format/index_view.h"
 
 namespace zc {
 
@@ -19,6 +19,6 @@ struct CompareFrame {
 };
 
 // Fails where none of them looks at the world, or none lies on the path.
-Result<std::vector<CompareFrame>> choose_frames(Source& source, const WorldIndex& index, const CompareOptions& options);
+Result<std::vector<CompareFrame>> choose_frames(Source& source, const IndexView& index, const CompareOptions& options);
 
 }  // namespace zc

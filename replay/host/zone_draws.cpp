@@ -28,8 +28,8 @@ bool outside_view(const FrameCamera& camera, double aspect, const NodeRecord& no
   return false;
 }
 
-std::vector<ZoneDraw> zone_draws(const ZoneSet& zones, const WorldIndex& index, const FrameCamera& camera,
-                                 double aspect, bool cull) {
+std::vector<ZoneDraw> zone_draws(const ZoneSet& zones, const IndexView& index, const FrameCamera& camera, double aspect,
+                                 bool cull) {
   std::vector<ZoneDraw> draws;
   for (std::uint32_t slot = 0; slot < zones.zone_count(); ++slot) {
     const NodeRecord& node = index.nodes[zones.shown()[slot].node];

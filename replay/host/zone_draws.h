@@ -6,7 +6,7 @@
 
 #include "replay/host/stand_in_host.h"
 #include "runtime/scene/zone_set.h"
-#include "streamer/world_format/world_index.h"
+#include "streamer/world_format/index_view.h"
 
 namespace zc {
 
@@ -14,7 +14,7 @@ namespace zc {
 bool outside_view(const FrameCamera& camera, double aspect, const NodeRecord& node);
 
 // Zones that are shown and whose boxes touch the camera's view; all that are shown when `cull` is false.
-std::vector<ZoneDraw> zone_draws(const ZoneSet& zones, const WorldIndex& index, const FrameCamera& camera,
-                                 double aspect, bool cull);
+std::vector<ZoneDraw> zone_draws(const ZoneSet& zones, const IndexView& index, const FrameCamera& camera, double aspect,
+                                 bool cull);
 
 }  // namespace zc

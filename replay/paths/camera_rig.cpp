@@ -30,7 +30,7 @@ std::vector<CameraSample> CameraRig::cameras(std::uint64_t frame) const {
   return cameras;
 }
 
-Result<bool> CameraRig::sees_world(const WorldIndex& index, const FrameRange& frames, double aspect) const {
+Result<bool> CameraRig::sees_world(const IndexView& index, const FrameRange& frames, double aspect) const {
   bool seen = false;
   for (std::uint64_t frame = frames.begin; frame < frames.end; ++frame) {
     for (const CameraSample& sample : cameras(frame)) {

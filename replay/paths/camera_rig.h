@@ -11,7 +11,7 @@
 #include "base/result.h"
 #include "replay/paths/camera_path.h"
 #include "streamer/paging/selection.h"
-#include "streamer/world_format/world_index.h"
+#include "streamer/world_format/index_view.h"
 
 namespace zc {
 
@@ -35,7 +35,7 @@ class CameraRig {
   [[nodiscard]] std::vector<CameraSample> cameras(std::uint64_t frame) const;
   // Whether a camera looks at the world in one of the frames from begin to end, whatever the step between them. Fails
   // as make_camera() where one of them lies too far away.
-  [[nodiscard]] Result<bool> sees_world(const WorldIndex& index, const FrameRange& frames, double aspect) const;
+  [[nodiscard]] Result<bool> sees_world(const IndexView& index, const FrameRange& frames, double aspect) const;
   // Where the cameras of a frame are, and where they will be; a still view stays where it is. Frame by frame, in
   // ascending order.
   std::vector<View> look_ahead(const std::vector<CameraSample>& cameras);

@@ -10,7 +10,7 @@ namespace zc {
 namespace {
 
 // Fails where the renderer's 32-bit lattice does not reach.
-Status check_reach(const WorldIndex& index, const CameraSample& sample) {
+Status check_reach(const IndexView& index, const CameraSample& sample) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<std::size_t>(axis);
     const double lattice = sample.eye[axis] / index.step_m() - static_cast<double>(index.header.anchor[i]);
@@ -25,7 +25,7 @@ Status check_reach(const WorldIndex& index, const CameraSample& sample) {
 
 }  // namespace
 
-Result<FrameCamera> make_camera(const WorldIndex& index, const CameraSample& sample) {
+Result<FrameCamera> make_camera(const IndexView& index, const CameraSample& sample) {
   ZC_TRY(check_reach(index, sample));
   FrameCamera camera;
   place_eye(camera, sample.eye, index.header.anchor, index.step_m());

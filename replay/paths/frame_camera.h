@@ -5,12 +5,12 @@
 #include "base/result.h"
 #include "replay/paths/camera_path.h"
 #include "runtime/host_frame.h"
-#include "streamer/world_format/world_index.h"
+#include "streamer/world_format/index_view.h"
 
 namespace zc {
 
 // The camera relative to the lattice point next to its eye, so that floats near it are exact. Fails where the
 // renderer's 32-bit lattice does not reach.
-Result<FrameCamera> make_camera(const WorldIndex& index, const CameraSample& sample);
+Result<FrameCamera> make_camera(const IndexView& index, const CameraSample& sample);
 
 }  // namespace zc

@@ -20,7 +20,7 @@
 namespace zc {
 namespace {
 
-Bounds bounds_of(const WorldIndex& index, const std::array<std::int32_t, 3>& low,
+Bounds bounds_of(const IndexView& index, const std::array<std::int32_t, 3>& low,
                  const std::array<std::int32_t, 3>& high) {
   Bounds out{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -32,12 +32,13 @@ Bounds bounds_of(const WorldIndex& index, const std::array<std::int32_t, 3>& low
   return out;
 }
 
-// The finest zones: where there is something.
+// The finest zones: where there is something. `see`: whether to go on.
 template <class See>
-void each_leaf(const WorldIndex& index, const See& see) {
-  for (const NodeRecord& node : index.nodes) {
+void each_leaf(const IndexView& index, const See& see) {
+  for (std::uint32_t n = 0; n < index.nodes.size(); ++n) {
+    const NodeRecord node = index.nodes[n];
     const bool leaf = node.child_count == 0 || index.nodes[node.first_child].is_detail();
-    if (leaf && !node.is_detail()) see(node, bounds_of(index, node.bounds_min, node.bounds_max));
+    if (leaf && !node.is_detail() && !see(node, bounds_of(index, node.bounds_min, node.bounds_max))) return;
   }
 }
 
@@ -49,7 +50,7 @@ double nth(std::vector<double>& values, std::size_t n) {
 }
 
 // Of the root's page; a thousand of them where there are more.
-Result<std::vector<glm::dvec3>> triangle_centres(Source& source, const WorldIndex& index) {
+Result<std::vector<glm::dvec3>> triangle_centres(Source& source, const IndexView& index) {
   constexpr std::size_t kLimit = 1000;
   ZC_ASSIGN(const std::vector<std::uint32_t> page, load_page(source, index, 0));
   const PageView view(page);
@@ -85,11 +86,11 @@ glm::dvec3 densest(const std::vector<glm::dvec3>& points) {
 
 }  // namespace
 
-Bounds world_bounds(const WorldIndex& index) {
+Bounds world_bounds(const IndexView& index) {
   return bounds_of(index, index.header.bounds_min, index.header.bounds_max);
 }
 
-std::string describe_bounds(const WorldIndex& index) {
+std::string describe_bounds(const IndexView& index) {
   const Bounds b = world_bounds(index);
   std::array<char, 256> text{};
   std::snprintf(text.data(), text.size(), "x %.1f to %.1f, y %.1f to %.1f, z %.1f to %.1f m", b.min.x, b.max.x, b.min.y,
@@ -97,7 +98,7 @@ std::string describe_bounds(const WorldIndex& index) {
   return text.data();
 }
 
-Result<CameraPath> tour_of(Source& source, const WorldIndex& index) {
+Result<CameraPath> tour_of(Source& source, const IndexView& index) {
   ZC_ASSIGN(const std::vector<glm::dvec3> points, triangle_centres(source, index));
   const glm::dvec3 centre = densest(points);
   std::vector<double> away;
@@ -117,28 +118,34 @@ Result<CameraPath> tour_of(Source& source, const WorldIndex& index) {
     sample.target = centre;
     sample.eye =
         centre + farthest * std::pow(nearest / farthest, share) * glm::dvec3(std::cos(angle), std::sin(angle), 0.45);
-    each_leaf(index, [&](const NodeRecord&, const Bounds& b) {
+    path.push_back(std::move(sample));
+  }
+  each_leaf(index, [&](const NodeRecord&, const Bounds& b) {
+    for (CameraSample& sample : path) {
       const bool below =
           sample.eye.x > b.min.x && sample.eye.x < b.max.x && sample.eye.y > b.min.y && sample.eye.y < b.max.y;
       if (below) sample.eye.z = std::max(sample.eye.z, b.max.z + kAboveRoofs_m);
-    });
-    path.push_back(std::move(sample));
-  }
+    }
+    return true;
+  });
   return path;
 }
 
-Result<bool> looks_at_world(const WorldIndex& index, const CameraSample& sample, double aspect) {
+Result<bool> looks_at_world(const IndexView& index, const CameraSample& sample, double aspect) {
   constexpr double kLeastShareOfView = 0.02;
   ZC_ASSIGN(const FrameCamera camera, make_camera(index, sample));
   const Bounds world = world_bounds(index);
   const double away = glm::length(glm::max(glm::max(world.min - sample.eye, sample.eye - world.max), 0.0));
   if (glm::length(world.max - world.min) < kLeastShareOfView * glm::radians(sample.fov_y_deg) * away) return false;
   bool seen = false;
-  each_leaf(index, [&](const NodeRecord& node, const Bounds&) { seen = seen || !outside_view(camera, aspect, node); });
+  each_leaf(index, [&](const NodeRecord& node, const Bounds&) {
+    seen = !outside_view(camera, aspect, node);
+    return !seen;
+  });
   return seen;
 }
 
-Error nothing_seen(const WorldIndex& index, const CameraSample& first) {
+Error nothing_seen(const IndexView& index, const CameraSample& first) {
   std::array<char, 128> eye{};
   std::snprintf(eye.data(), eye.size(), "%.1f, %.1f, %.1f", first.eye.x, first.eye.y, first.eye.z);
   return {ErrorCode::kArgument, "no camera of the path looks at the world: the first is at " + std::string(eye.data()) +

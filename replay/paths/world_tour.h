@@ -8,23 +8,23 @@
 
 #include "replay/paths/camera_path.h"
 #include "streamer/source/source.h"
-#include "streamer/world_format/world_index.h"
+#include "streamer/world_format/index_view.h"
 
 namespace zc {
 
 struct Bounds {
   glm::dvec3 min, max;
 };
-Bounds world_bounds(const WorldIndex& index);
-std::string describe_bounds(const WorldIndex& index);  // "x 4.0 to 9.5, y … m"
+Bounds world_bounds(const IndexView& index);
+std::string describe_bounds(const IndexView& index);  // "x 4.0 to 9.5, y … m"
 
 // Once round the place where the coarsest proxies have the most triangles, from where nearly all of them are in view,
 // or 1.5 km, down to its roofs: 20 s, 30 cameras a second. Fails as reading the root's page does.
-Result<CameraPath> tour_of(Source& source, const WorldIndex& index);
+Result<CameraPath> tour_of(Source& source, const IndexView& index);
 
 // Whether a zone lies in the view, and the world is not too far away to be seen. Fails as make_camera().
-Result<bool> looks_at_world(const WorldIndex& index, const CameraSample& sample, double aspect);
+Result<bool> looks_at_world(const IndexView& index, const CameraSample& sample, double aspect);
 // Of a path none of whose cameras does; `first`: its first one.
-Error nothing_seen(const WorldIndex& index, const CameraSample& first);
+Error nothing_seen(const IndexView& index, const CameraSample& first);
 
 }  // namespace zc

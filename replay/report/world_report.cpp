@@ -144,7 +144,7 @@ nlohmann::ordered_json describe_world(Source& source, const WorldIndex& index) {
   json["bounds_m"] = {{"min", {bounds.min.x, bounds.min.y, bounds.min.z}},
                       {"max", {bounds.max.x, bounds.max.y, bounds.max.z}}};
   json["decoded_bytes"] = decoded;
-  json["smallest_cap_bytes"] = smallest_cap_bytes(index, source.held_bytes());
+  json["smallest_cap_bytes"] = smallest_cap_bytes(index, source.costs());
   json["levels"] = nlohmann::ordered_json::array();
   for (const auto& [depth, level] : levels) {
     nlohmann::ordered_json row = {{"depth", depth}, {"detail", false}};

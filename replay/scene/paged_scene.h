@@ -40,7 +40,7 @@ class PagedScene {
 
   [[nodiscard]] Streamer& streamer() { return *streamer_; }
   [[nodiscard]] const Streamer& streamer() const { return *streamer_; }
-  [[nodiscard]] const WorldIndex& index() const { return streamer_->index(); }
+  [[nodiscard]] IndexView index() const { return streamer_->index(); }
   // Of a scene on a device.
   [[nodiscard]] ZoneSet& zones() {
     ZC_CHECK(zones_.has_value());

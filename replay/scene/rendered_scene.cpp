@@ -9,13 +9,13 @@
 namespace zc {
 namespace {
 
-std::uint32_t deepest_page(const WorldIndex& index) {
+std::uint32_t deepest_page(const IndexView& index) {
   std::uint32_t depth = 1;
-  for (const NodeRecord& node : index.nodes) depth = std::max(depth, node.bvh_depth);
+  for (std::uint32_t n = 0; n < index.nodes.size(); ++n) depth = std::max(depth, index.nodes[n].bvh_depth);
   return depth;
 }
 
-std::vector<gpu::MaterialEntry> material_entries(const WorldIndex& index) {
+std::vector<gpu::MaterialEntry> material_entries(const IndexView& index) {
   std::vector<gpu::MaterialEntry> entries;
   for (const MaterialRecord& m : index.materials)
     entries.push_back({m.base_color[0], m.base_color[1], m.base_color[2], m.roughness, m.metallic, m.flags, 0, 0});
@@ -24,7 +24,7 @@ std::vector<gpu::MaterialEntry> material_entries(const WorldIndex& index) {
 
 }  // namespace
 
-void fit_to_world(HostOptions& options, const WorldIndex& index, const std::optional<SunAngles>& asked) {
+void fit_to_world(HostOptions& options, const IndexView& index, const std::optional<SunAngles>& asked) {
   const std::optional<SunAngles> baked = SunAngles::unpack(index.header.sun);
   const SunAngles sun = asked.value_or(baked.value_or(SunAngles{145, 38}));
   options.sun_azimuth_deg = sun.azimuth_deg;

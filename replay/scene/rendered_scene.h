@@ -18,7 +18,7 @@ namespace zc {
 
 // What the world says of how it is drawn: how deep its pages are, and the sun. That is the one asked for, else the
 // bake's, else 145,38.
-void fit_to_world(HostOptions& options, const WorldIndex& index, const std::optional<SunAngles>& asked);
+void fit_to_world(HostOptions& options, const IndexView& index, const std::optional<SunAngles>& asked);
 
 class RenderedScene {
  public:

@@ -38,7 +38,7 @@ Status ReplayDrawing::open_full_detail(Source& source) {
 }
 
 Status ReplayDrawing::open_host() {
-  const WorldIndex& index = proxies_.index();
+  const IndexView index = proxies_.index();
   HostOptions host = options_.renderer;
   fit_to_world(host, index, options_.sun);
   if (options_.leave_nothing_out) host.sun_is_baked = false;

@@ -18,6 +18,8 @@ nlohmann::ordered_json statistics_json(const ReplayReport& report) {
   summary["cap_bytes"] = s.cap_bytes;
   summary["pool_bytes"] = s.pool_bytes;
   summary["pool_limited_by_device"] = s.pool_limited_by_sink;
+  summary["index_in_memory"] = s.index_in_memory;
+  summary["index_blocks_read"] = s.index_blocks_read;
   summary["peak_ledger_bytes"] = s.ledger.peak_bytes;
   summary["frames_over_cap"] = s.frames_over_cap;
   summary["peak_rss_bytes"] = report.peak_rss_bytes;

@@ -28,6 +28,7 @@ Status Transfers::create(std::uint64_t ring_bytes, std::uint32_t frames_in_fligh
   ZC_CHECK(frames_in_flight > 0 && ring_bytes >= 4 * kAlign);
   frames_in_flight_ = frames_in_flight;
   capacity_ = ring_bytes / 4 * 3 / kAlign * kAlign;  // the rest is what moves go through
+  queued_.reserve(kQueuedMost);
   ZC_ASSIGN(ring_,
             Buffer::create(device_, ring_bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                            MemoryUse::kUpload));
@@ -56,7 +57,7 @@ Status Transfers::write(const Buffer& target, std::uint64_t offset, std::span<co
       ZC_CHECK(take(part, at));
     }
     std::memcpy(ring_.mapped().data() + at, bytes.data(), part);
-    queued_.push_back({&target, false, at, offset, part});
+    ZC_TRY(queue({&target, false, at, offset, part}));
     bytes = bytes.subspan(part);
     offset += part;
   }
@@ -65,8 +66,15 @@ Status Transfers::write(const Buffer& target, std::uint64_t offset, std::span<co
 
 Status Transfers::move(const Buffer& target, std::uint64_t from, std::uint64_t to, std::uint64_t bytes) {
   ZC_CHECK(std::max(from, to) + bytes <= target.bytes());
-  if (bytes > 0 && from != to) queued_.push_back({&target, true, from, to, bytes});
-  return {};
+  if (bytes == 0 || from == to) return {};
+  return queue({&target, true, from, to, bytes});
+}
+
+Status Transfers::queue(const Operation& operation) {
+  queued_.push_back(operation);
+  if (queued_.size() < kQueuedMost) return {};
+  ++waits_;
+  return finish();
 }
 
 void Transfers::record(VkCommandBuffer commands) {

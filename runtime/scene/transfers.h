@@ -20,8 +20,8 @@ class Transfers {
   // frames_in_flight: how many recorded frames may not have been executed when the next is recorded, at least 1.
   Status create(std::uint64_t ring_bytes, std::uint32_t frames_in_flight);
 
-  // As memcpy and memmove, in the order of the calls. What does not fit into the ring is submitted and waited for with
-  // all that was queued before, on the device's own queue; waits() counts that.
+  // As memcpy and memmove, in the order of the calls. What does not fit into the ring or the queue is submitted and
+  // waited for with all that was queued before, on the device's own queue; waits() counts that.
   Status write(const Buffer& target, std::uint64_t offset, std::span<const std::byte> bytes);
   Status move(const Buffer& target, std::uint64_t from, std::uint64_t to, std::uint64_t bytes);
 
@@ -32,12 +32,17 @@ class Transfers {
 
   [[nodiscard]] std::uint64_t waits() const { return waits_; }
 
+  // On the heap, from create() on.
+  [[nodiscard]] static std::uint64_t heap_bytes() { return kQueuedMost * sizeof(Operation); }
+
  private:
+  static constexpr std::size_t kQueuedMost = 256;
   struct Operation {
     const Buffer* target;
     bool is_move;
     std::uint64_t from, to, bytes;  // from: in the ring, or of a move in the target
   };
+  Status queue(const Operation& operation);
   // Contiguous room, or none.
   bool take(std::uint64_t bytes, std::uint64_t& offset);
 

@@ -45,7 +45,7 @@ SinkCosts ZoneSet::costs() const {
   std::uint64_t lists = sizeof(Resident) + sizeof(PageRoot) + sizeof(std::uint32_t) + sizeof(gpu::ZoneEntry) +
                         sizeof(std::uint32_t) + sizeof(TracedPage) + TopLevelBuilder::kBytesPerPage;
   if (!is_mapped_) {
-    costs.fixed_bytes += options_.staging_bytes + rounded(costs.buffer_fixed_bytes);
+    costs.fixed_bytes += options_.staging_bytes + rounded(costs.buffer_fixed_bytes) + rounded(Transfers::heap_bytes());
     lists += sizeof(RootNodes) + costs.buffer_bytes_per_page;
   }
   costs.bytes_per_page = costs.buffer_bytes_per_page + sizeof(gpu::ZoneEntry) + rounded(lists);

@@ -8,8 +8,8 @@
 
 namespace zc {
 
-LoadWorkers::LoadWorkers(Source& source, const WorldIndex& index, unsigned threads, std::uint64_t scratch_bytes)
-    : source_(source), index_(index), scratch_free_bytes_(scratch_bytes) {
+LoadWorkers::LoadWorkers(Source& source, std::size_t materials, unsigned threads, std::uint64_t scratch_bytes)
+    : source_(source), materials_(materials), scratch_free_bytes_(scratch_bytes) {
   for (unsigned i = 0; i < std::max(threads, 1U); ++i) {
     try {
       threads_.emplace_back([this, i] { work(i); });
@@ -30,8 +30,8 @@ LoadWorkers::~LoadWorkers() {
   threads_.clear();
 }
 
-void LoadWorkers::submit(std::uint64_t ticket, std::uint32_t node) {
-  std::unique_ptr<AsyncRead> files = source_.begin(page_files(index_.nodes[node]));
+void LoadWorkers::submit(std::uint64_t ticket, const NodeRecord& node) {
+  std::unique_ptr<AsyncRead> files = source_.begin(page_files(node));
   {
     const std::lock_guard lock(mutex_);
     queue_.push_back({ticket, node, std::move(files)});
@@ -74,13 +74,13 @@ void LoadWorkers::work(unsigned worker) {
     Job job = std::move(queue_.front());
     queue_.pop_front();
     at_work_.emplace(job.ticket, job.files.get());
-    const std::uint64_t scratch = scratch_bytes(index_.nodes[job.node]);
+    const std::uint64_t scratch = scratch_bytes(job.node);
     scratch_freed_.wait(lock, [&] { return scratch <= scratch_free_bytes_; });
     scratch_free_bytes_ -= scratch;
     lock.unlock();
     const Time taken_at = std::chrono::steady_clock::now();
     Time read_at = taken_at;
-    Page page = load_page(*job.files, index_, job.node, &read_at);
+    Page page = load_page(*job.files, job.node, materials_, &read_at);
     const Time decoded_at = std::chrono::steady_clock::now();
     lock.lock();
     at_work_.erase(job.ticket);

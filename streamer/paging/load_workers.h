@@ -3,7 +3,7 @@
 // page does not fit beside the others' waits for them. A page's files are asked for when it is submitted, so that a
 // source behind a network reads more at once than there are threads. Owns its threads; they end, and are joined, when
 // it goes.
-// Borrows the source and the index, which outlive it. Threads: its methods are called from one thread.
+// Borrows the source, which outlives it. Threads: its methods are called from one thread.
 #pragma once
 
 #include <chrono>
@@ -35,14 +35,14 @@ class LoadWorkers {
     Time decoded_at;
   };
 
-  // No job may need more than scratch_bytes.
-  LoadWorkers(Source& source, const WorldIndex& index, unsigned threads, std::uint64_t scratch_bytes);
+  // materials: that the world has. No job may need more than scratch_bytes.
+  LoadWorkers(Source& source, std::size_t materials, unsigned threads, std::uint64_t scratch_bytes);
   ~LoadWorkers();
   LoadWorkers(const LoadWorkers&) = delete;
   LoadWorkers& operator=(const LoadWorkers&) = delete;
 
   // Tickets are the caller's, unique and rising.
-  void submit(std::uint64_t ticket, std::uint32_t node);
+  void submit(std::uint64_t ticket, const NodeRecord& node);
 
   // True when the job had not started and never will; otherwise its result, which may be an error for that, is still to
   // be taken.
@@ -57,13 +57,13 @@ class LoadWorkers {
  private:
   struct Job {
     std::uint64_t ticket;
-    std::uint32_t node;
+    NodeRecord node;
     std::unique_ptr<AsyncRead> files;
   };
   void work(unsigned worker);
 
   Source& source_;
-  const WorldIndex& index_;
+  const std::size_t materials_;
   std::mutex mutex_;
   std::condition_variable queued_;
   std::condition_variable finished_;

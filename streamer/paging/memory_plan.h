@@ -9,7 +9,8 @@
 #include "streamer/page_sink.h"
 #include "streamer/paging/selection.h"
 #include "streamer/paging/streamer_options.h"
-#include "streamer/world_format/world_index.h"
+#include "streamer/source/source.h"
+#include "streamer/world_format/index_view.h"
 
 namespace zc {
 
@@ -34,14 +35,19 @@ struct MemoryPlan {
 // room for is not read, however long a server sends; a small one is, to name the cap that works.
 [[nodiscard]] std::uint64_t index_limit_bytes(std::uint64_t cap_bytes);
 
+// The share of a cap that an index's nodes may take: a small world's all fit, of a large one's some blocks do.
+[[nodiscard]] std::uint64_t index_room_bytes(std::uint64_t cap_bytes);
+
+// What is there only while a world opens, beside what the index keeps.
+[[nodiscard]] std::uint64_t opening_bytes(const IndexView& index, const SourceCosts& source);
+
 // The smallest cap under which a world opens: index, node state, the root's page, what loading it takes and what the
-// sink takes beside it. source_bytes: held_bytes() of the source that it is read from.
-[[nodiscard]] std::uint64_t smallest_cap_bytes(const WorldIndex& index, std::uint64_t source_bytes = 0,
+// sink takes beside it.
+[[nodiscard]] std::uint64_t smallest_cap_bytes(const IndexView& index, const SourceCosts& source = {},
                                                const SinkCosts& sink = {});
 
-// Fails with kBudget, naming the smallest cap that works, or the buffer that the sink would have to bind. source_bytes:
-// held_bytes() of the world's source.
-Result<MemoryPlan> plan_memory(const WorldIndex& index, const StreamerOptions& options, std::uint64_t source_bytes = 0,
+// Fails with kBudget, naming the smallest cap that works, or the buffer that the sink would have to bind.
+Result<MemoryPlan> plan_memory(const IndexView& index, const StreamerOptions& options, const SourceCosts& source = {},
                                const SinkCosts& sink = {});
 
 }  // namespace zc

@@ -11,7 +11,7 @@
 
 namespace zc {
 
-PagePool::PagePool(const WorldIndex& index, PageSink& sink, std::uint64_t pool_words, std::uint64_t pages)
+PagePool::PagePool(const IndexView& index, PageSink& sink, std::uint64_t pool_words, std::uint64_t pages)
     : index_(index), sink_(sink), pool_(pool_words), nodes_(index), offsets_(index.nodes.size()) {
   ZC_CHECK(pool_words / kPageAlignWords <= std::numeric_limits<std::uint32_t>::max());
   // Reserved to their largest, so that none ever grows beyond what the ledger counts.

@@ -19,7 +19,7 @@ namespace zc {
 class PagePool {
  public:
   // At most `pages` at once.
-  PagePool(const WorldIndex& index, PageSink& sink, std::uint64_t pool_words, std::uint64_t pages);
+  PagePool(const IndexView& index, PageSink& sink, std::uint64_t pool_words, std::uint64_t pages);
 
   [[nodiscard]] bool has_room_for(std::uint32_t node) const;
   // There must be room. Fails only when the sink does.
@@ -43,7 +43,7 @@ class PagePool {
   [[nodiscard]] std::uint64_t page_words(std::uint32_t node) const;
   Status compact(std::uint64_t words);
 
-  const WorldIndex& index_;
+  const IndexView index_;
   PageSink& sink_;
   PoolAllocator pool_;
   RenderedCut nodes_;

@@ -7,7 +7,7 @@
 
 namespace zc {
 
-RenderedCut::RenderedCut(const WorldIndex& index)
+RenderedCut::RenderedCut(const IndexView& index)
     : index_(index), resident_(index.nodes.size()), counts_(index.nodes.size()) {}
 
 void RenderedCut::add(std::uint32_t node) {
@@ -51,7 +51,7 @@ void RenderedCut::visit(std::uint32_t node, std::vector<std::uint32_t>& cut) con
     cut.push_back(node);
     return;
   }
-  const NodeRecord& record = index_.nodes[node];
+  const NodeRecord record = index_.nodes[node];
   for (std::uint32_t c = record.first_child; c < record.first_child + record.child_count; ++c) visit(c, cut);
 }
 

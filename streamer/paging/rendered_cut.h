@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "streamer/paging/zeroed_array.h"
-#include "streamer/world_format/world_index.h"
+#include "streamer/world_format/index_view.h"
 
 namespace zc {
 
 class RenderedCut {
  public:
-  // Borrows the index; nothing is resident.
-  explicit RenderedCut(const WorldIndex& index);
+  // Borrows what the view does; nothing is resident.
+  explicit RenderedCut(const IndexView& index);
 
   // Of a node that is not resident; of one that is.
   void add(std::uint32_t node);
@@ -37,7 +37,7 @@ class RenderedCut {
   void change_covered(std::uint32_t node, bool to);
   void visit(std::uint32_t node, std::vector<std::uint32_t>& cut) const;
 
-  const WorldIndex& index_;
+  const IndexView index_;
   ZeroedArray<std::uint8_t> resident_;
   ZeroedArray<std::uint32_t> counts_;  // of covered children
 };

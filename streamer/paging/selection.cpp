@@ -12,7 +12,7 @@ namespace {
 
 class Selector {
  public:
-  Selector(const WorldIndex& index, const SelectionQuery& query, Selection& selection)
+  Selector(const IndexView& index, const SelectionQuery& query, Selection& selection)
       : nodes_(index.nodes), query_(query), error_of_(index, query.views), out_(selection) {}
 
   void run() {
@@ -37,15 +37,12 @@ class Selector {
     return a.error != b.error ? a.error < b.error : a.node > b.node;
   }
 
-  [[nodiscard]] std::span<const NodeRecord> children(const NodeRecord& record) const {
-    return nodes_.subspan(record.first_child, record.child_count);
-  }
-
   void refine(const Selection::Candidate& worst) {
-    const NodeRecord& record = nodes_[worst.node];
+    const NodeRecord record = nodes_[worst.node];
     std::uint64_t bytes = 0;
     bool admitted = out_.by_priority.size() + record.child_count <= kSelectionNodesPerPage * query_.most_pages;
-    for (const NodeRecord& child : children(record)) {
+    for (std::uint32_t c = record.first_child; c < record.first_child + record.child_count; ++c) {
+      const NodeRecord child = nodes_[c];
       admitted = admitted && query_.limits.admit(child);
       bytes += pool_bytes(child);
     }
@@ -93,7 +90,7 @@ class Selector {
 
   // `above`: errors never grow on the way down.
   void push(std::uint32_t node, const ErrorMeter::Errors& above) {
-    const NodeRecord& record = nodes_[node];
+    const NodeRecord record = nodes_[node];
     if (record.child_count == 0) return;
     const ErrorMeter::Errors own = error_of_(record);
     const double weighted = std::min(above.weighted, own.weighted);
@@ -105,7 +102,7 @@ class Selector {
     std::push_heap(out_.heap.begin(), out_.heap.end(), later);
   }
 
-  const std::span<const NodeRecord> nodes_;
+  const NodeTable nodes_;
   const SelectionQuery& query_;
   const ErrorMeter error_of_;
   Selection& out_;
@@ -114,7 +111,7 @@ class Selector {
 
 class WantedCounter {
  public:
-  WantedCounter(const WorldIndex& index, std::span<const View> views, double tolerance, bool include_detail,
+  WantedCounter(const IndexView& index, std::span<const View> views, double tolerance, bool include_detail,
                 const RenderedCut& cut)
       : nodes_(index.nodes),
         error_of_(index, views, true),
@@ -129,7 +126,7 @@ class WantedCounter {
 
  private:
   void visit(std::uint32_t n) {  // as deep as the tree
-    const NodeRecord& node = nodes_[n];
+    const NodeRecord node = nodes_[n];
     const bool refinable = node.child_count > 0 && (include_detail_ || !nodes_[node.first_child].is_detail());
     if (!refinable || error_of_.empty() || !(error_of_(node).plain > tolerance_)) {
       add(cut_.covered(n));
@@ -147,7 +144,7 @@ class WantedCounter {
     count_.missing += there ? 0 : 1;
   }
 
-  const std::span<const NodeRecord> nodes_;
+  const NodeTable nodes_;
   const ErrorMeter error_of_;
   const double tolerance_;
   const bool include_detail_;
@@ -167,7 +164,7 @@ bool LoadLimits::admit(const NodeRecord& node) const {
          zc::scratch_bytes(node) <= this->scratch_bytes;
 }
 
-ErrorMeter::ErrorMeter(const WorldIndex& index, std::span<const View> views, bool now_only) : step_m_(index.step_m()) {
+ErrorMeter::ErrorMeter(const IndexView& index, std::span<const View> views, bool now_only) : step_m_(index.step_m()) {
   nearest_squared_ = kNearestDistance_m / step_m_ * (kNearestDistance_m / step_m_);
   eyes_.reserve(views.size());
   for (const View& view : views) {
@@ -201,11 +198,11 @@ ErrorMeter::Errors ErrorMeter::operator()(const NodeRecord& node) const {
   return {error * std::sqrt(most), error / std::sqrt(nearest)};
 }
 
-double weighted_error(const WorldIndex& index, std::uint32_t node, std::span<const View> views) {
+double weighted_error(const IndexView& index, std::uint32_t node, std::span<const View> views) {
   return ErrorMeter(index, views)(index.nodes[node]).weighted;
 }
 
-void select_nodes(const WorldIndex& index, const SelectionQuery& query, Selection& selection) {
+void select_nodes(const IndexView& index, const SelectionQuery& query, Selection& selection) {
   ZC_CHECK(query.previous.empty() || query.previous.size() == index.nodes.size());
   ZC_CHECK(query.budget_bytes >= pool_bytes(index.nodes[0]));
   Selector(index, query, selection).run();
@@ -230,7 +227,7 @@ void mark_selection(const Selection& selection, std::span<std::uint8_t> marks, s
   }
 }
 
-WantedCount count_wanted(const WorldIndex& index, std::span<const View> views, double tolerance, bool include_detail,
+WantedCount count_wanted(const IndexView& index, std::span<const View> views, double tolerance, bool include_detail,
                          const RenderedCut& cut) {
   return WantedCounter(index, views, tolerance, include_detail, cut).run();
 }

@@ -32,7 +32,7 @@
 #include <vector>
 
 #include "streamer/paging/rendered_cut.h"
-#include "streamer/world_format/world_index.h"
+#include "streamer/world_format/index_view.h"
 
 namespace zc {
 
@@ -111,7 +111,7 @@ class ErrorMeter {
   };
 
   // Of the views, or of those that are now.
-  ErrorMeter(const WorldIndex& index, std::span<const View> views, bool now_only = false);
+  ErrorMeter(const IndexView& index, std::span<const View> views, bool now_only = false);
   [[nodiscard]] Errors operator()(const NodeRecord& node) const;
   [[nodiscard]] bool empty() const { return eyes_.empty(); }
 
@@ -126,10 +126,10 @@ class ErrorMeter {
 };
 
 // ErrorMeter's, of one node.
-[[nodiscard]] double weighted_error(const WorldIndex& index, std::uint32_t node, std::span<const View> views);
+[[nodiscard]] double weighted_error(const IndexView& index, std::uint32_t node, std::span<const View> views);
 
 // Replaces `selection`. With no view only the root is selected.
-void select_nodes(const WorldIndex& index, const SelectionQuery& query, Selection& selection);
+void select_nodes(const IndexView& index, const SelectionQuery& query, Selection& selection);
 
 // What select_nodes takes in memory at most, per node that may be selected, with mark_selection()'s list.
 inline constexpr std::uint64_t kSelectionBytesPerPage =
@@ -141,7 +141,7 @@ struct WantedCount {
   std::uint32_t nodes = 0;
   std::uint32_t missing = 0;  // of those: neither resident nor covered by finer pages
 };
-[[nodiscard]] WantedCount count_wanted(const WorldIndex& index, std::span<const View> views, double tolerance,
+[[nodiscard]] WantedCount count_wanted(const IndexView& index, std::span<const View> views, double tolerance,
                                        bool include_detail, const RenderedCut& cut);
 
 }  // namespace zc

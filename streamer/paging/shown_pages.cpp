@@ -6,14 +6,14 @@
 
 namespace zc {
 
-ShownPages::ShownPages(const WorldIndex& index, const PagePool& pool, double tolerance, std::uint64_t most_pages)
+ShownPages::ShownPages(const IndexView& index, const PagePool& pool, double tolerance, std::uint64_t most_pages)
     : index_(index), pool_(pool), tolerance_(tolerance) {
   pages_.reserve(most_pages);
 }
 
 // The finest proxies stand in for nothing: what is finer is the full detail, which is another set's.
 bool ShownPages::is_coarse(std::uint32_t node, const ErrorMeter& error_now) const {
-  const NodeRecord& record = index_.nodes[node];
+  const NodeRecord record = index_.nodes[node];
   if (record.child_count == 0 || index_.nodes[record.first_child].is_detail()) return false;
   return error_now(record).weighted > tolerance_;
 }

@@ -16,7 +16,7 @@ namespace zc {
 class ShownPages {
  public:
   // At most `most_pages` at once. Borrows index and pool.
-  ShownPages(const WorldIndex& index, const PagePool& pool, double tolerance, std::uint64_t most_pages);
+  ShownPages(const IndexView& index, const PagePool& pool, double tolerance, std::uint64_t most_pages);
 
   // Whether anything differs from before. error_now: of the views that are now.
   bool update(const ErrorMeter& error_now);
@@ -26,7 +26,7 @@ class ShownPages {
  private:
   [[nodiscard]] bool is_coarse(std::uint32_t node, const ErrorMeter& error_now) const;
 
-  const WorldIndex& index_;
+  const IndexView index_;
   const PagePool& pool_;
   double tolerance_;
   std::vector<ShownPage> pages_;

@@ -48,6 +48,8 @@ class ArchiveSource final : public Source {
     return std::unique_ptr<SourceFile>(std::make_unique<Member>(*this, place, name));
   }
 
+  [[nodiscard]] SourceCosts costs() const override { return {.whole_files = false}; }
+
  private:
   struct Place {
     std::uint64_t offset = 0;

@@ -68,6 +68,8 @@ class DirectorySource final : public Source {
     return std::unique_ptr<SourceFile>(std::make_unique<FileOnDisk>(std::move(file)));
   }
 
+  [[nodiscard]] SourceCosts costs() const override { return {.whole_files = false}; }
+
  private:
   [[nodiscard]] Result<std::filesystem::path> locate(const std::string& name) const {
     ZC_TRY(check_name(name));

@@ -58,6 +58,12 @@ class SourceFile {
   virtual Status read(std::uint64_t offset_bytes, std::span<std::byte> out) const = 0;
 };
 
+// What reading from a source takes in memory.
+struct SourceCosts {
+  std::uint64_t held_bytes = 0;  // from its opening to its end, beside what is read
+  bool whole_files = true;       // open() reads the whole file
+};
+
 // What a source behind a network did; all zero for any other.
 struct SourceStatistics {
   std::uint64_t requests = 0;
@@ -88,8 +94,7 @@ class Source {
 
   [[nodiscard]] virtual SourceStatistics statistics() const { return {}; }
 
-  // What it keeps in memory from its opening to its end, beside what is read.
-  [[nodiscard]] virtual std::uint64_t held_bytes() const { return 0; }
+  [[nodiscard]] virtual SourceCosts costs() const { return {}; }
 };
 
 // Of sources behind a network.

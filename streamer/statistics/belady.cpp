@@ -95,7 +95,7 @@ OptimalPaging belady(std::span<const std::uint32_t> trace, std::span<const std::
   return optimal;
 }
 
-std::optional<OptimalPaging> optimal_paging(const SelectionTrace& trace, const WorldIndex& index,
+std::optional<OptimalPaging> optimal_paging(const SelectionTrace& trace, const IndexView& index,
                                             std::uint64_t pool_bytes) {
   if (!trace.complete()) return std::nullopt;
   std::vector<std::uint32_t> words(trace.words().begin(), trace.words().end());
@@ -114,8 +114,9 @@ std::optional<OptimalPaging> optimal_paging(const SelectionTrace& trace, const W
   std::vector<std::uint64_t> in_pool;
   std::vector<std::uint64_t> read;
   for (const std::uint32_t n : nodes) {
-    in_pool.push_back(zc::pool_bytes(index.nodes[n]));
-    read.push_back(compressed_bytes(index.nodes[n]));
+    const NodeRecord node = index.nodes[n];
+    in_pool.push_back(zc::pool_bytes(node));
+    read.push_back(compressed_bytes(node));
   }
   return belady(words, in_pool, read, pool_bytes);
 }

@@ -12,7 +12,7 @@
 
 #include "streamer/statistics/paging_observer.h"
 #include "streamer/statistics/statistics.h"
-#include "streamer/world_format/world_index.h"
+#include "streamer/world_format/index_view.h"
 
 namespace zc {
 
@@ -41,7 +41,7 @@ class SelectionTrace final : public PagingObserver {
 
 // The same of a streamer's pages; nothing when the trace is not complete. Takes memory by what was used, not by the
 // world's size.
-[[nodiscard]] std::optional<OptimalPaging> optimal_paging(const SelectionTrace& trace, const WorldIndex& index,
+[[nodiscard]] std::optional<OptimalPaging> optimal_paging(const SelectionTrace& trace, const IndexView& index,
                                                           std::uint64_t pool_bytes);
 
 }  // namespace zc

@@ -11,25 +11,28 @@ bool PrefetchAccount::asked_for(std::uint32_t node, const ErrorMeter& now, doubl
   return node == 0 || now(index_.nodes[static_cast<std::size_t>(index_.nodes[node].parent)]).plain > tolerance;
 }
 
+void PrefetchAccount::loaded(std::uint32_t node) {
+  pending_.push_back(node);
+  pending_bytes_ += compressed_bytes(index_.nodes[node]);
+}
+
 void PrefetchAccount::evicted(std::uint32_t node) {
   const auto at = std::find(pending_.begin(), pending_.end(), node);
   if (at == pending_.end()) return;
-  wasted_bytes_ += compressed_bytes(index_.nodes[node]);
+  const std::uint64_t bytes = compressed_bytes(index_.nodes[node]);
+  wasted_bytes_ += bytes;
+  pending_bytes_ -= bytes;
   pending_.erase(at);
 }
 
 void PrefetchAccount::settle(const ErrorMeter& now, double tolerance) {
   std::erase_if(pending_, [&](std::uint32_t node) {
     if (!asked_for(node, now, tolerance)) return false;
-    used_bytes_ += compressed_bytes(index_.nodes[node]);
+    const std::uint64_t bytes = compressed_bytes(index_.nodes[node]);
+    used_bytes_ += bytes;
+    pending_bytes_ -= bytes;
     return true;
   });
-}
-
-PrefetchBytes PrefetchAccount::bytes() const {
-  PrefetchBytes out{used_bytes_, wasted_bytes_, 0};
-  for (const std::uint32_t node : pending_) out.pending += compressed_bytes(index_.nodes[node]);
-  return out;
 }
 
 }  // namespace zc

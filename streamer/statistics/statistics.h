@@ -72,6 +72,8 @@ struct FrameStatistics {
 struct StreamerStatistics {
   std::uint64_t cap_bytes = 0;
   std::uint64_t pool_bytes = 0;
+  bool index_in_memory = true;           // else its nodes are read from the file when they are looked at
+  std::uint64_t index_blocks_read = 0;   // since the world was opened
   std::uint64_t buffer_limit_bytes = 0;  // the largest buffer that the sink binds
   bool pool_limited_by_sink = false;     // that, and not the cap, keeps the pool from more of the world
   LedgerUse ledger;

@@ -45,11 +45,24 @@ bool sane(float value) { return std::isfinite(value) && value >= 0.0F; }
 
 // Of a node: why it cannot be, or nothing.
 
+// What a node says of its children, which is all that they are checked against.
+struct Family {
+  std::uint32_t first_child = 0;
+  std::uint32_t child_count = 0;
+  std::uint8_t depth = 0;
+  bool is_detail = false;
+};
+
+Family family_of(const NodeRecord& node) {  // which is in place: its depth is small
+  return {node.first_child, node.child_count, static_cast<std::uint8_t>(node.depth), node.is_detail()};
+}
+
 // Every node but the root lies in its parent's range, and the ranges have one place for each, which `places` counts: so
-// each node has exactly one parent, and that parent comes before it. `nodes`: up to this one, of `count`.
-const char* tree_fault(std::span<const NodeRecord> nodes, std::size_t count, std::uint64_t& places) {
-  const std::size_t i = nodes.size() - 1;
-  const NodeRecord& node = nodes[i];
+// each node has exactly one parent, and that parent comes before it. family(p): of the node p before this one, the i-th
+// of `count`.
+template <class FamilyOf>
+const char* tree_fault(const NodeRecord& node, std::size_t i, std::size_t count, const FamilyOf& family,
+                       std::uint64_t& places) {
   if (node.child_count > 0) {
     if (node.first_child <= i || node.first_child >= count || node.child_count > count - node.first_child)
       return "children out of range";
@@ -61,11 +74,11 @@ const char* tree_fault(std::span<const NodeRecord> nodes, std::size_t count, std
     return nullptr;
   }
   if (node.parent < 0 || static_cast<std::size_t>(node.parent) >= i) return "parent out of range";
-  const NodeRecord& parent = nodes[static_cast<std::size_t>(node.parent)];
+  const Family parent = family(static_cast<std::size_t>(node.parent));
   if (i < parent.first_child || i - parent.first_child >= parent.child_count) return "not among its parent's children";
   // So that whoever goes down the tree goes down kMaxDepth and one more at most.
-  if (node.depth < parent.depth + (node.is_detail() ? 0 : 1)) return "does not lie below its parent";
-  if (node.is_detail() && (parent.is_detail() || parent.child_count != 1 || node.child_count != 0))
+  if (node.depth < parent.depth + (node.is_detail() ? 0U : 1U)) return "does not lie below its parent";
+  if (node.is_detail() && (parent.is_detail || parent.child_count != 1 || node.child_count != 0))
     return "a detail node must be the only child of a zone and have no children";
   return nullptr;
 }
@@ -193,30 +206,86 @@ class Body {
 // So many records stay in a core's cache from reading to checking.
 constexpr std::size_t kRecordsAtOnce = 4096;
 
+// All nodes, in memory.
+class NodesInMemory {
+ public:
+  NodesInMemory(decltype(WorldIndex::nodes)& nodes, std::size_t count) : nodes_(nodes) { nodes.reserve(count); }
+  std::span<NodeRecord> next(std::size_t count) {
+    nodes_.resize(nodes_.size() + count, NodeRecord());
+    return std::span(nodes_).last(count);
+  }
+  void read(std::span<const NodeRecord> /*records*/) {}
+  void checked(const NodeRecord& /*node*/) {}
+  [[nodiscard]] Family family(std::size_t node) const { return family_of(nodes_[node]); }
+
+ private:
+  decltype(WorldIndex::nodes)& nodes_;
+};
+
+// Of all nodes, what those after them are checked against, and the blocks' hashes.
+class NodesInFile {
+ public:
+  NodesInFile(std::vector<std::uint64_t>& block_xxh3, std::size_t nodes_per_block, std::size_t count)
+      : block_xxh3_(block_xxh3), nodes_per_block_(nodes_per_block), records_(std::min(count, kRecordsAtOnce)) {
+    ZC_CHECK(kRecordsAtOnce % nodes_per_block == 0);
+    block_xxh3.reserve((count + nodes_per_block - 1) / nodes_per_block);
+    families_.reserve(count);
+  }
+  std::span<NodeRecord> next(std::size_t count) { return std::span(records_).first(count); }
+  void read(std::span<const NodeRecord> records) {
+    for (; !records.empty(); records = records.subspan(std::min(records.size(), nodes_per_block_))) {
+      const std::span<const NodeRecord> block = records.first(std::min(records.size(), nodes_per_block_));
+      block_xxh3_.push_back(XXH3_64bits(block.data(), block.size_bytes()));
+    }
+  }
+  void checked(const NodeRecord& node) { families_.push_back(family_of(node)); }
+  [[nodiscard]] Family family(std::size_t node) const { return families_[node]; }
+
+ private:
+  std::vector<std::uint64_t>& block_xxh3_;
+  std::size_t nodes_per_block_;
+  std::vector<NodeRecord> records_;
+  std::vector<Family> families_;
+};
+
 // `fault`: the first that was found, which counts only when the hash is right.
-Status take_nodes(Body& body, std::size_t count, const std::string& path, decltype(WorldIndex::nodes)& nodes,
-                  Status& fault) {
-  nodes.reserve(count);
-  const NodeRecord blank;
+template <class Nodes>
+Status take_nodes(Body& body, std::size_t count, const std::string& path, Nodes nodes, Status& fault) {
   std::uint64_t places = 0;
-  while (nodes.size() < count) {
-    std::size_t i = nodes.size();
-    nodes.resize(std::min(count, i + kRecordsAtOnce), blank);
-    ZC_TRY(body.take(std::span(nodes).subspan(i)));
-    for (; fault.ok() && i < nodes.size(); ++i) {
-      const char* cause = place_fault(nodes[i]);
-      if (cause == nullptr) cause = counts_fault(nodes[i]);
-      if (cause == nullptr) cause = tree_fault(std::span(nodes).first(i + 1), count, places);
-      if (cause != nullptr) fault = node_error(path, i, cause);
+  for (std::size_t begin = 0; begin < count; begin += kRecordsAtOnce) {
+    const std::span<NodeRecord> records = nodes.next(std::min(count - begin, kRecordsAtOnce));
+    ZC_TRY(body.take(records));
+    nodes.read(records);
+    for (std::size_t i = 0; fault.ok() && i < records.size(); ++i) {
+      const NodeRecord& node = records[i];
+      const char* cause = place_fault(node);
+      if (cause == nullptr) cause = counts_fault(node);
+      if (cause == nullptr)
+        cause = tree_fault(
+            node, begin + i, count, [&](std::size_t parent) { return nodes.family(parent); }, places);
+      if (cause != nullptr) fault = node_error(path, begin + i, cause);
+      nodes.checked(node);
     }
   }
   if (fault.ok() && places != count - 1) fault = node_error(path, 0, "a node belongs to two parents");
   return {};
 }
 
+// What comes after the nodes; `fault`: theirs.
+Status take_rest(Body& body, const std::string& path, const Status& fault, WorldIndex& index) {
+  index.materials.resize(index.header.material_count);
+  ZC_TRY(body.take(std::span(index.materials)));
+  index.crs.resize(index.header.crs_bytes);
+  ZC_TRY(body.take(std::span(index.crs)));
+  if (index.header.body_xxh3 != body.xxh3())
+    return Error{ErrorCode::kFormat, "body hash mismatch", path, offsetof(WorldHeader, body_xxh3)};
+  ZC_TRY(Status(fault));
+  return check_materials(index.materials, path);
+}
+
 }  // namespace
 
-double WorldIndex::step_m() const { return std::ldexp(1.0, header.step_log2); }
+double lattice_step_m(const WorldHeader& header) { return std::ldexp(1.0, header.step_log2); }
 
 std::uint64_t WorldIndex::resident_bytes() const {
   return sizeof(WorldIndex) + nodes.size() * sizeof(NodeRecord) + materials.size() * sizeof(MaterialRecord) +
@@ -251,25 +320,40 @@ std::vector<std::byte> encode_world_index(const WorldIndex& index) {
   return out;
 }
 
-Result<WorldIndex> decode_world_index(std::uint64_t file_bytes, const ReadAt& read, const std::string& path) {
-  WorldIndex index;
+Result<WorldHeader> read_world_header(std::uint64_t file_bytes, const ReadAt& read, const std::string& path) {
+  WorldHeader header;
   if (file_bytes < sizeof(WorldHeader))
     return Error{ErrorCode::kFormat, "too short for an index", path, static_cast<std::int64_t>(file_bytes)};
-  ZC_TRY(read(0, std::as_writable_bytes(std::span(&index.header, 1))));
-  ZC_TRY(check_header(index.header, file_bytes, path));
+  ZC_TRY(read(0, std::as_writable_bytes(std::span(&header, 1))));
+  ZC_TRY(check_header(header, file_bytes, path));
+  return header;
+}
 
+Result<WorldIndex> decode_world_index(std::uint64_t file_bytes, const ReadAt& read, const std::string& path) {
+  WorldIndex index;
+  ZC_ASSIGN(index.header, read_world_header(file_bytes, read, path));
   Body body(read);
   Status fault;
-  ZC_TRY(take_nodes(body, index.header.node_count, path, index.nodes, fault));
-  index.materials.resize(index.header.material_count);
-  ZC_TRY(body.take(std::span(index.materials)));
-  index.crs.resize(index.header.crs_bytes);
-  ZC_TRY(body.take(std::span(index.crs)));
-  if (index.header.body_xxh3 != body.xxh3())
-    return Error{ErrorCode::kFormat, "body hash mismatch", path, offsetof(WorldHeader, body_xxh3)};
-  ZC_TRY(fault);
-  ZC_TRY(check_materials(index.materials, path));
+  const std::size_t count = index.header.node_count;
+  ZC_TRY(take_nodes(body, count, path, NodesInMemory(index.nodes, count), fault));
+  ZC_TRY(take_rest(body, path, fault, index));
   return index;
+}
+
+Result<IndexInFile> check_world_index(std::uint64_t file_bytes, const ReadAt& read, std::size_t nodes_per_block,
+                                      const std::string& path) {
+  IndexInFile out;
+  ZC_ASSIGN(out.index.header, read_world_header(file_bytes, read, path));
+  Body body(read);
+  Status fault;
+  const std::size_t count = out.index.header.node_count;
+  ZC_TRY(take_nodes(body, count, path, NodesInFile(out.block_xxh3, nodes_per_block, count), fault));
+  ZC_TRY(take_rest(body, path, fault, out.index));
+  return out;
+}
+
+std::uint64_t check_index_bytes(std::uint64_t nodes) {
+  return nodes * sizeof(Family) + kRecordsAtOnce * sizeof(NodeRecord);
 }
 
 Result<WorldIndex> decode_world_index(std::span<const std::byte> bytes, const std::string& path) {

@@ -105,13 +105,15 @@ struct MaterialRecord {
 };
 static_assert(sizeof(MaterialRecord) == 32);
 
+[[nodiscard]] double lattice_step_m(const WorldHeader& header);
+
 struct WorldIndex {
   WorldHeader header;
   std::vector<NodeRecord, LargeAllocator<NodeRecord>> nodes;
   std::vector<MaterialRecord> materials;
   std::string crs;
 
-  [[nodiscard]] double step_m() const;
+  [[nodiscard]] double step_m() const { return lattice_step_m(header); }
   // Bytes that the index itself keeps in memory.
   [[nodiscard]] std::uint64_t resident_bytes() const;
 };
@@ -126,5 +128,17 @@ using ReadAt = std::function<Status(std::uint64_t offset_bytes, std::span<std::b
 // Reads once, in order, to where it stays: a million nodes are 160 MiB.
 Result<WorldIndex> decode_world_index(std::uint64_t file_bytes, const ReadAt& read, const std::string& path);
 Result<WorldIndex> decode_world_index(std::span<const std::byte> bytes, const std::string& path);
+
+// The same of a world whose nodes stay in the file: all of it is read and checked.
+struct IndexInFile {
+  WorldIndex index;                       // without its nodes
+  std::vector<std::uint64_t> block_xxh3;  // of each block of nodes, see NodeBlocks
+};
+Result<IndexInFile> check_world_index(std::uint64_t file_bytes, const ReadAt& read, std::size_t nodes_per_block,
+                                      const std::string& path);
+// What that takes, beside what it returns.
+[[nodiscard]] std::uint64_t check_index_bytes(std::uint64_t nodes);
+// The header alone; its hash and counts are right.
+Result<WorldHeader> read_world_header(std::uint64_t file_bytes, const ReadAt& read, const std::string& path);
 
 }  // namespace zc

@@ -76,7 +76,7 @@ int main(int argc, char** argv) {
     StreamerOptions paging;
     paging.cap_bytes = 16U << 20U;
     const auto streamer = must(Streamer::open(*source, paging, zones));
-    const WorldIndex& world = streamer->index();
+    const IndexView world = streamer->index();
     std::vector<gpu::MaterialEntry> materials;
     for (const MaterialRecord& m : world.materials)
       materials.push_back({m.base_color[0], m.base_color[1], m.base_color[2], m.roughness, m.metallic, m.flags, 0, 0});

@@ -230,7 +230,7 @@ TEST(Golden, EventLogs) {
     test::MemorySource source(world.files);
     source.remove(node_file(world.index.nodes[9], "glb"));
     HeapPageSink sink(costs);
-    const StreamerOptions options = {.cap_bytes = smallest_cap_bytes(world.index, 0, costs) + pages * share / 100,
+    const StreamerOptions options = {.cap_bytes = smallest_cap_bytes(world.index, {}, costs) + pages * share / 100,
                                      .threads = 1 + share % 4,
                                      .source_latency_s = 0.05,
                                      .source_bandwidth_bytes_per_s = 2e5,

@@ -117,7 +117,7 @@ class RenderedWorld {
 
   Result<FrameResult> render(const FrameCamera& camera) { return rendered_->draw(camera, /*cull=*/false); }
 
-  [[nodiscard]] const WorldIndex& index() const { return proxies_->index(); }
+  [[nodiscard]] IndexView index() const { return proxies_->index(); }
   [[nodiscard]] Source& source() { return *source_; }
   [[nodiscard]] const Streamer& streamer() const { return proxies_->streamer(); }
   // The proxies that are traced, by slot.

@@ -119,7 +119,7 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
   test::RenderedWorld world;
   const Status opened = world.open(test::small_city({offset_m, -offset_m, offset_m / 1000}), bake, options);
   ASSERT_TRUE(opened.ok()) << opened.error().describe();
-  const WorldIndex& index = world.index();
+  const IndexView index = world.index();
   const double step_m = index.step_m();
 
   // In the middle of the world.
@@ -161,7 +161,7 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
   }
 
   std::uint32_t deepest = 1;
-  for (const NodeRecord& node : index.nodes) deepest = std::max(deepest, node.bvh_depth);
+  for (std::uint32_t n = 0; n < index.nodes.size(); ++n) deepest = std::max(deepest, index.nodes[n].bvh_depth);
   // Every way that the kernels can be specialised finds the same.
   std::vector<TracedHit> first_hits;
   std::size_t first_tied = 0;

@@ -111,7 +111,7 @@ class WebArchive final : public WebWorld {
     return range({place.offset, place.bytes}, name);
   }
 
-  [[nodiscard]] std::uint64_t held_bytes() const override { return entries_.size() * sizeof(ArchiveEntry); }
+  [[nodiscard]] SourceCosts costs() const override { return {.held_bytes = entries_.size() * sizeof(ArchiveEntry)}; }
 
  private:
   struct Place {

@@ -90,7 +90,7 @@ View view_at(double t) {
 StreamerOptions options_for(const Source& source, ClockKind clock) {
   std::uint64_t pages = 0;
   for (const NodeRecord& node : world().index.nodes) pages += node.page_bytes;
-  return {.cap_bytes = smallest_cap_bytes(world().index, source.held_bytes()) + pages / 2,
+  return {.cap_bytes = smallest_cap_bytes(world().index, source.costs()) + pages / 2,
           .threads = 3,
           .clock = clock,
           .source_latency_s = clock == ClockKind::kVirtual ? 0.05 : 0,
@@ -182,7 +182,7 @@ TEST_F(HttpSource, a_server_out_of_reach_is_transient_and_one_that_is_back_serve
   const WorldIndex& index = world().index;
   ASSERT_TRUE(load_page(*source, index, 1).ok());
   server.reset();
-  const auto failed = load_page(*source->begin(page_files(index.nodes[1])), index, 1);
+  const auto failed = load_page(*source->begin(page_files(index.nodes[1])), index.nodes[1], index.materials.size());
   ASSERT_FALSE(failed.ok());
   EXPECT_EQ(failed.error().code, ErrorCode::kTransient);
   std::thread back([&] {

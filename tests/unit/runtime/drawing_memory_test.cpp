@@ -106,7 +106,7 @@ void drive(double share, bool staging, Drive& out) {
   std::uint64_t all_pages = 0;
   for (const NodeRecord& node : world().index.nodes) all_pages += pool_bytes(node);
   options.cap_bytes = out.cap =
-      smallest_cap_bytes(world().index, 0, ZoneSet(**device, {.use_staging = staging}).costs()) +
+      smallest_cap_bytes(world().index, {}, ZoneSet(**device, {.use_staging = staging}).costs()) +
       static_cast<std::uint64_t>(share * static_cast<double>(all_pages));
   options.tolerance = 0.004;
   options.max_in_flight = 6;

@@ -38,11 +38,11 @@ TEST(MemoryPlan, HasAllThatTheSinkTakesAndNoMoreThanTheCap) {
   for (const std::uint64_t fixed : {0U, 1000U, 300'000U}) {
     for (const std::uint64_t per_page : {0U, 128U, 1500U, 40'000U}) {
       const SinkCosts sink{.fixed_bytes = fixed, .bytes_per_page = per_page};
-      const std::uint64_t smallest = smallest_cap_bytes(world().index, 0, sink);
+      const std::uint64_t smallest = smallest_cap_bytes(world().index, {}, sink);
       EXPECT_EQ(smallest, smallest_cap_bytes(world().index) + fixed + per_page);
-      ASSERT_FALSE(plan_memory(world().index, {.cap_bytes = smallest - 1}, 0, sink).ok());
+      ASSERT_FALSE(plan_memory(world().index, {.cap_bytes = smallest - 1}, {}, sink).ok());
       for (const std::uint64_t more : {std::uint64_t{0}, all_pages() / 5, all_pages(), 40 * all_pages()}) {
-        const auto plan = plan_memory(world().index, {.cap_bytes = smallest + more}, 0, sink);
+        const auto plan = plan_memory(world().index, {.cap_bytes = smallest + more}, {}, sink);
         ASSERT_TRUE(plan.ok()) << plan.error().describe();
         EXPECT_EQ(plan->top_level_bytes, fixed + plan->pages * per_page);
         EXPECT_EQ(plan->index_bytes + plan->state_bytes + plan->top_level_bytes + plan->pool_bytes +
@@ -61,14 +61,14 @@ TEST(MemoryPlan, HasAllThatTheSinkTakesAndNoMoreThanTheCap) {
 
 TEST(MemoryPlan, BindsNoLargerBufferThanTheSinkCanAndSaysSo) {
   SinkCosts sink{.fixed_bytes = 5000, .bytes_per_page = 2000, .buffer_fixed_bytes = 1360, .buffer_bytes_per_page = 240};
-  const StreamerOptions options{.cap_bytes = 40 * all_pages() + smallest_cap_bytes(world().index, 0, sink)};
+  const StreamerOptions options{.cap_bytes = 40 * all_pages() + smallest_cap_bytes(world().index, {}, sink)};
   const std::uint64_t root = pool_bytes(world().index.nodes[0]);
   const std::uint64_t least = root + 1360 + 240;
   const std::uint64_t whole = all_pages() + 1360 + 240 * world().index.nodes.size();
   std::uint64_t before = 0;
   for (std::uint64_t limit = least; limit < whole + 4096; limit += 777) {
     sink.buffer_limit_bytes = limit;
-    const auto plan = plan_memory(world().index, options, 0, sink);
+    const auto plan = plan_memory(world().index, options, {}, sink);
     ASSERT_TRUE(plan.ok()) << plan.error().describe();
     ASSERT_LE(buffer_bytes(*plan, sink), limit);
     EXPECT_EQ(plan->pool_limited_by_sink, limit < whole) << limit << " of " << whole;
@@ -77,7 +77,7 @@ TEST(MemoryPlan, BindsNoLargerBufferThanTheSinkCanAndSaysSo) {
   }
   EXPECT_EQ(before, all_pages());
   sink.buffer_limit_bytes = least - 1;
-  const auto plan = plan_memory(world().index, options, 0, sink);
+  const auto plan = plan_memory(world().index, options, {}, sink);
   ASSERT_FALSE(plan.ok());
   EXPECT_NE(plan.error().message.find(std::to_string(least)), std::string::npos);
 }
@@ -141,7 +141,7 @@ TEST(PageSink, IsShownTheRenderedCutWheneverItChangesAndNeverHasMorePagesThanPla
     test::MemorySource source(world().files);
     CheckedSink sink(costs);
     StreamerOptions options;
-    options.cap_bytes = smallest_cap_bytes(world().index, 0, costs) +
+    options.cap_bytes = smallest_cap_bytes(world().index, {}, costs) +
                         static_cast<std::uint64_t>(share * static_cast<double>(all_pages()));
     options.tolerance = 0.01;
     auto streamer = Streamer::open(source, options, sink);

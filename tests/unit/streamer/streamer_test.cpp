@@ -70,7 +70,7 @@ StreamerOptions options_for(std::uint64_t cap) {
 
 // Every page of the rendered cut lies where the streamer says, whole, and the rendered cut covers each leaf once.
 void check_cut(const Streamer& streamer, const HeapPageSink& sink) {
-  const WorldIndex& index = streamer.index();
+  const IndexView index = streamer.index();
   std::vector<int> times(index.nodes.size());
   for (const std::uint32_t n : streamer.rendered_cut()) {
     ASSERT_TRUE(streamer.resident(n));
