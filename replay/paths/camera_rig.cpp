@@ -15,6 +15,7 @@ constexpr std::uint32_t kLookAheadViews = 8;
 
 std::vector<View> views_of(const std::vector<CameraSample>& cameras) {
   std::vector<View> views;
+  views.reserve(cameras.size());
   for (const CameraSample& camera : cameras) views.push_back({camera.eye});
   return views;
 }

@@ -102,6 +102,7 @@ Result<CameraPath> tour_of(Source& source, const IndexView& index) {
   ZC_ASSIGN(const std::vector<glm::dvec3> points, triangle_centres(source, index));
   const glm::dvec3 centre = densest(points);
   std::vector<double> away;
+  away.reserve(points.size());
   for (const glm::dvec3& p : points) away.push_back(distance_on_map(p, centre));
   const double radius = std::max(5.0, 1.5 * nth(away, away.size() / 2));  // a lone shed does not count
   const double farthest = std::min(1.5 * radius, 1500.0);                 // not so far that haze is all there is

@@ -19,6 +19,7 @@
 #include "streamer/world_format/bvh_page.h"
 #include "streamer/world_format/page_view.h"
 #include "streamer/world_format/world_index.h"
+#include "tests/unit/same_bytes.h"
 #include "tests/unit/streamer/tiny_world.h"
 
 namespace zc {
@@ -156,10 +157,10 @@ TEST(Golden, WorldIndexVersion5) {
   EXPECT_EQ(index->crs, expected.crs);
   ASSERT_EQ(index->nodes.size(), expected.nodes.size());
   for (std::size_t i = 0; i < expected.nodes.size(); ++i)
-    EXPECT_EQ(std::memcmp(&index->nodes[i], &expected.nodes[i], sizeof(NodeRecord)), 0) << i;
+    EXPECT_TRUE(test::same_bytes(index->nodes[i], expected.nodes[i])) << i;
   ASSERT_EQ(index->materials.size(), expected.materials.size());
   for (std::size_t i = 0; i < expected.materials.size(); ++i)
-    EXPECT_EQ(std::memcmp(&index->materials[i], &expected.materials[i], sizeof(MaterialRecord)), 0) << i;
+    EXPECT_TRUE(test::same_bytes(index->materials[i], expected.materials[i])) << i;
   EXPECT_EQ(node_file(index->nodes[3], "glb"), "zones/1/1_0.detail.glb");
 }
 

@@ -12,6 +12,7 @@
 #include "streamer/world_format/page_view.h"
 #include "tests/numerics/rendered_world.h"
 #include "tests/unit/baker/test_city.h"
+#include "tests/unit/same_bytes.h"
 
 namespace zc {
 namespace {
@@ -201,8 +202,7 @@ TEST_P(TraceOracle, GpuHitsEqualADoublePrecisionTraceOnRandomRays) {
       first_tied = sum.tied;
     }
     std::size_t different = 0;
-    for (std::size_t i = 0; i < rays.size(); ++i)
-      different += std::memcmp(&first_hits[i], &(*hits)[i], sizeof(TracedHit)) != 0 ? 1 : 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) different += test::same_bytes(first_hits[i], (*hits)[i]) ? 0 : 1;
     EXPECT_LE(different, first_tied + sum.tied);
     const auto any = world.tracer().trace(camera, rays, true);
     ASSERT_TRUE(any.ok()) << any.error().describe();

@@ -32,7 +32,7 @@ class HeapMeter {
   auto add(Work work) {
     const long long before = test::held_bytes;
     test::most_bytes = before;
-    const auto result = work();
+    auto result = work();
     peak_ = std::max(peak_, held_ + test::most_bytes - before);
     held_ += test::held_bytes - before;
     return result;

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <random>
 
 #include "streamer/paging/heap_page_sink.h"
@@ -13,6 +12,7 @@
 #include "streamer/paging/selection.h"
 #include "streamer/source/index_file.h"
 #include "streamer/streamer.h"
+#include "tests/unit/same_bytes.h"
 #include "tests/unit/streamer/tiny_world.h"
 
 namespace zc {
@@ -107,7 +107,7 @@ TEST(NodeBlocks, AreTheNodesOfTheFileHoweverFewAreKept) {
     for (int i = 0; i < 20'000; ++i) {
       const auto n = static_cast<std::uint32_t>(random() % kNodes);
       const NodeRecord node = blocks.record(n);
-      ASSERT_EQ(std::memcmp(&node, &all->nodes[n], sizeof node), 0) << n;
+      ASSERT_TRUE(test::same_bytes(node, all->nodes[n])) << n;
     }
     if (room > world.file.size()) {
       EXPECT_LE(blocks.blocks_read(), (kNodes + 63) / 64) << "none is read twice";
