@@ -56,7 +56,9 @@ LIBRARIES = {
     "curl/": ("streamer",),
     "zip.h": ("replay",),
     "httplib.h": ("replay",),
-    "spng.h": ("replay", "tests"),
+    "spng.h": ("baker", "replay", "tests"),
+    "turbojpeg.h": ("baker", "tests"),
+    "webp/": ("baker", "tests"),
     "gtest/": ("tests",),
     "spirv_cross/": ("runtime", "tests"),
 }

@@ -325,10 +325,23 @@ class GltfImport {
     if (const tinygltf::Value& set = transform.Get("texCoord"); set.IsInt()) appearance.texcoord = set.GetNumberAsInt();
   }
 
+  // The plain image where there is one, else EXT_texture_webp's, else KHR_texture_basisu's, which will be named as not
+  // read.
+  static int source_of(const tinygltf::Texture& texture) {
+    if (texture.source >= 0) return texture.source;
+    for (const char* name : {"EXT_texture_webp", "KHR_texture_basisu"}) {
+      const auto found = texture.extensions.find(name);
+      if (found == texture.extensions.end() || !found->second.IsObject()) continue;
+      const tinygltf::Value& source = found->second.Get("source");
+      if (source.IsInt() && source.GetNumberAsInt() >= 0) return source.GetNumberAsInt();
+    }
+    return -1;
+  }
+
   std::optional<LoadedImage> load_image(int texture) {
     const tinygltf::Model& model = file_.model;
     const int source = static_cast<std::size_t>(texture) < model.textures.size()
-                           ? model.textures[static_cast<std::size_t>(texture)].source
+                           ? source_of(model.textures[static_cast<std::size_t>(texture)])
                            : -1;
     if (source < 0 || static_cast<std::size_t>(source) >= file_.images.size()) {
       builder_.note("missing texture sources, plain colours used");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Texture images (JPEG, PNG) of the inputs, each decoded once. An image that is missing, does not decode or may not be
-// read is no error: it is named in the notes and the caller uses its plain colour.
-// Owns the images. Untrusted input. Not thread-safe.
+// Texture images (JPEG, PNG, WebP) of the inputs, each decoded once. An image that is missing, does not decode or may
+// not be read is no error: it is named in the notes and the caller uses its plain colour. Owns the images. Untrusted
+// input. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -35,7 +35,7 @@ class TextureImages {
   [[nodiscard]] std::vector<TextureImage> take() { return std::move(images_); }
 
  private:
-  std::optional<LoadedImage> add(std::span<const std::byte> encoded);
+  std::optional<LoadedImage> add(const std::string& name, std::span<const std::byte> encoded);
 
   std::map<std::string, std::optional<LoadedImage>> known_;
   std::vector<TextureImage> images_;

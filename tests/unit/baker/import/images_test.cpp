@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Images by their libraries, and what is refused. The pictures are coded here, by the libraries' own encoders.
+#include <gtest/gtest.h>
+#include <spng.h>
+#include <turbojpeg.h>
+#include <webp/encode.h>
+
+#include <cstdlib>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "baker/import/images/decode_image.h"
+
+namespace zc {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+// Left red, right blue; with alpha the lower half is transparent.
+std::vector<std::uint8_t> picture(std::uint32_t width, std::uint32_t height, std::uint32_t channels) {
+  std::vector<std::uint8_t> pixels;
+  for (std::uint32_t y = 0; y < height; ++y)
+    for (std::uint32_t x = 0; x < width; ++x) {
+      const bool left = x < width / 2;
+      const std::array<std::uint8_t, 4> texel = {static_cast<std::uint8_t>(left ? 250 : 10), 20,
+                                                 static_cast<std::uint8_t>(left ? 10 : 250),
+                                                 static_cast<std::uint8_t>(y < height / 2 ? 255 : 0)};
+      pixels.insert(pixels.end(), texel.begin(), texel.begin() + channels);
+    }
+  return pixels;
+}
+
+Bytes bytes_of(const void* data, std::size_t size) {
+  const auto* begin = static_cast<const std::byte*>(data);
+  return {begin, begin + size};
+}
+
+Bytes jpeg(std::uint32_t width, std::uint32_t height, int flags = 0, int format = TJPF_RGB) {
+  const std::vector<std::uint8_t> pixels = picture(width, height, static_cast<std::uint32_t>(tjPixelSize[format]));
+  const std::unique_ptr<void, decltype(&tjDestroy)> coder(tjInitCompress(), &tjDestroy);
+  unsigned char* out = nullptr;
+  unsigned long size = 0;
+  EXPECT_EQ(tjCompress2(coder.get(), pixels.data(), static_cast<int>(width), 0, static_cast<int>(height), format, &out,
+                        &size, format == TJPF_CMYK ? TJSAMP_444 : TJSAMP_420, 90, flags),
+            0);
+  const std::unique_ptr<unsigned char, decltype(&tjFree)> owned(out, &tjFree);
+  return bytes_of(out, size);
+}
+
+Bytes png(std::uint32_t width, std::uint32_t height, std::uint32_t channels, bool interlaced = false) {
+  const std::vector<std::uint8_t> pixels = picture(width, height, channels);
+  const std::unique_ptr<spng_ctx, decltype(&spng_ctx_free)> coder(spng_ctx_new(SPNG_CTX_ENCODER), &spng_ctx_free);
+  spng_ihdr header{};
+  header.width = width;
+  header.height = height;
+  header.bit_depth = 8;
+  header.color_type = channels == 4 ? SPNG_COLOR_TYPE_TRUECOLOR_ALPHA : SPNG_COLOR_TYPE_TRUECOLOR;
+  header.interlace_method = interlaced ? 1 : 0;
+  spng_set_option(coder.get(), SPNG_ENCODE_TO_BUFFER, 1);
+  spng_set_ihdr(coder.get(), &header);
+  EXPECT_EQ(spng_encode_image(coder.get(), pixels.data(), pixels.size(), SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE), 0);
+  std::size_t size = 0;
+  int fault = 0;
+  const std::unique_ptr<void, decltype(&std::free)> out(spng_get_png_buffer(coder.get(), &size, &fault), &std::free);
+  return bytes_of(out.get(), size);
+}
+
+Bytes webp(std::uint32_t width, std::uint32_t height, bool lossless) {
+  const std::vector<std::uint8_t> pixels = picture(width, height, 4);
+  std::uint8_t* out = nullptr;
+  const auto w = static_cast<int>(width);
+  const auto h = static_cast<int>(height);
+  const std::size_t size = lossless ? WebPEncodeLosslessRGBA(pixels.data(), w, h, 4 * w, &out)
+                                    : WebPEncodeRGBA(pixels.data(), w, h, 4 * w, 90, &out);
+  const std::unique_ptr<std::uint8_t, decltype(&WebPFree)> owned(out, &WebPFree);
+  return bytes_of(out, size);
+}
+
+void expect_picture(const Result<DecodedImage>& image, std::uint32_t width, std::uint32_t height,
+                    std::uint32_t channels) {
+  ASSERT_TRUE(image.ok()) << image.error().message;
+  ASSERT_EQ(image->width, width);
+  ASSERT_EQ(image->height, height);
+  ASSERT_EQ(image->channels, channels);
+  ASSERT_EQ(image->pixels.size(), std::size_t{width} * height * channels);
+  const auto at = [&](std::uint32_t x, std::uint32_t y, std::uint32_t c) {
+    return static_cast<int>(image->pixels[(std::size_t{y} * width + x) * channels + c]);
+  };
+  EXPECT_NEAR(at(width / 4, height / 4, 0), 250, 16);
+  EXPECT_NEAR(at(width / 4, height / 4, 2), 10, 16);
+  EXPECT_NEAR(at(3 * width / 4, height / 4, 0), 10, 16);
+  EXPECT_NEAR(at(3 * width / 4, height / 4, 2), 250, 16);
+  if (channels == 4) {
+    EXPECT_EQ(at(0, 0, 3), 255);
+    EXPECT_EQ(at(0, height - 1, 3), 0);
+  }
+}
+
+std::string refusal(const Bytes& encoded) {
+  const auto image = decode_image(encoded);
+  return image.ok() ? "read" : image.error().message;
+}
+
+TEST(Images, OfEveryFormatComeAsTheyWere) {
+  expect_picture(decode_image(jpeg(64, 48)), 64, 48, 3);
+  expect_picture(decode_image(jpeg(33, 17, TJFLAG_PROGRESSIVE)), 33, 17, 3);
+  expect_picture(decode_image(png(64, 48, 3)), 64, 48, 3);
+  expect_picture(decode_image(png(61, 47, 4)), 61, 47, 4);
+  expect_picture(decode_image(png(61, 47, 4, true)), 61, 47, 4);
+  expect_picture(decode_image(webp(64, 48, true)), 64, 48, 4);
+  expect_picture(decode_image(webp(64, 48, false)), 64, 48, 4);
+}
+
+TEST(Images, OfInksAreColours) {
+  const auto image = decode_image(jpeg(64, 48, 0, TJPF_CMYK));  // its black is the picture's alpha
+  ASSERT_TRUE(image.ok()) << image.error().message;
+  EXPECT_EQ(image->channels, 3U);
+  EXPECT_NEAR(image->pixels[0], 250, 16);
+  EXPECT_NEAR(image->pixels[image->pixels.size() - 1], 0, 16);
+}
+
+TEST(Images, ThatAreLargerThanATextureNeedsAreReduced) {
+  for (const Bytes& encoded : {png(8200, 8200, 3), jpeg(8200, 8200), webp(8200, 8200, false)}) {
+    const auto image = decode_image(encoded);
+    ASSERT_TRUE(image.ok()) << image.error().message;
+    EXPECT_LE(std::uint64_t{image->width} * image->height, kDecodedPixels);
+    expect_picture(image, image->width, image->height, image->channels);
+  }
+}
+
+TEST(Images, ThatClaimMoreThanTheirBytesHoldAreRefused) {
+  Bytes bomb = jpeg(16, 16);
+  for (std::size_t i = 0; i + 9 < bomb.size(); ++i)  // the frame's header has the size
+    if (bomb[i] == std::byte{0xFF} && bomb[i + 1] == std::byte{0xC0}) bomb[i + 5] = bomb[i + 7] = std::byte{0x40};
+  EXPECT_NE(refusal(bomb).find("16400 × 16400 pixels are more than"), std::string::npos) << refusal(bomb);
+  EXPECT_EQ(refusal({}), "no bytes");
+  EXPECT_EQ(refusal(bytes_of("GIF89a......", 12)), "none of JPEG, PNG and WebP");
+  EXPECT_NE(refusal(bytes_of("\xABKTX 20\xBB\r\n\x1A\n    ", 16)).find("convert"), std::string::npos);
+}
+
+TEST(Images, ThatAreDamagedAreErrorsOrPicturesOfTheirSize) {
+  std::mt19937 random(5);
+  for (const Bytes& whole : {jpeg(64, 48), jpeg(64, 48, TJFLAG_PROGRESSIVE), png(64, 48, 4), png(64, 48, 4, true),
+                             webp(64, 48, true), webp(64, 48, false)}) {
+    const Bytes half(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(whole.size() / 2));
+    EXPECT_FALSE(decode_image(half).ok())
+        << "the first byte is " << static_cast<int>(whole[0]) << ", of " << whole.size();
+    for (int i = 0; i < 300; ++i) {
+      Bytes damaged = whole;
+      for (int flips = 0; flips < 3; ++flips)
+        damaged[random() % damaged.size()] ^= static_cast<std::byte>(1U << random() % 8);
+      const auto image = decode_image(damaged);
+      if (!image.ok()) continue;
+      EXPECT_EQ(image->pixels.size(), std::size_t{image->width} * image->height * image->channels);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace zc
