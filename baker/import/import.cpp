@@ -94,6 +94,16 @@ Status import_one(const std::filesystem::path& input, std::optional<EarthFrame>&
   return import_cityjson(text, path, images, builder);
 }
 
+// What was found and left out is why nothing is there.
+Error nothing_to_bake(const Scene& scene, const std::filesystem::path& input) {
+  constexpr std::size_t kReasons = 5;  // of a message of one line
+  std::string message = "has no triangles";
+  for (std::size_t i = 0; i < std::min(scene.notes.size(), kReasons); ++i)
+    message += (i == 0 ? ": " : "; ") + scene.notes[i].what + ": " + std::to_string(scene.notes[i].count);
+  if (scene.notes.empty()) message += " and no surface to make them of: expected city objects, meshes or tiles";
+  return {ErrorCode::kFormat, message, input.string()};
+}
+
 }  // namespace
 
 Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs) {
@@ -120,7 +130,7 @@ Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs) {
     builder.note_files("inputs without a reference system, taken to be in that of the others", without_crs);
   images.report(builder);
   Scene scene = builder.finish(images.take());
-  if (scene.triangles.empty()) return Error{ErrorCode::kFormat, "has no triangles", inputs.front().string()};
+  if (scene.triangles.empty()) return nothing_to_bake(scene, inputs.front());
   return scene;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CityGML 2.0 into the scene: every feature at its highest level of detail up to LoD3, with semantics, materials and
-// textures. Interiors (LoD4) are left out. Source: OGC 12-019.
+// CityGML 1.0, 2.0 and 3.0 into the scene: every feature at its highest level of detail up to LoD3, with semantics,
+// materials and textures. Rooms, LoD4 and empty spaces are left out. Source: OGC 12-019; OGC 20-010 and 21-006r2.
 // Geographic reference systems get a local frame, z up. Untrusted input.
 #pragma once
 
