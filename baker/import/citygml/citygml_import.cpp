@@ -27,11 +27,12 @@ constexpr int kMaxDepth = 200;
 
 class CityGmlImport {
  public:
-  CityGmlImport(const pugi::xml_node& model, std::uint64_t file_bytes, const std::string& path,
+  CityGmlImport(const pugi::xml_node& model, std::uint64_t file_bytes, const std::string& path, const InputFiles& files,
                 std::optional<EarthFrame>& earth, TextureImages& images, SceneBuilder& builder)
       : model_(model),
         path_(path),
         folder_(folder_of(path)),
+        files_(files),
         images_(images),
         builder_(builder),
         geometry_(path, earth, builder),
@@ -142,7 +143,7 @@ class CityGmlImport {
     for (const std::string_view id : found.ids) {
       const GmlTexture* texture = appearance_.texture(id);
       if (texture == nullptr) continue;
-      if (const auto loaded = images_.of_file(file_of_name(texture->image, path_, folder_), texture->image))
+      if (const auto loaded = images_.of_file(file_of_name(texture->image, path_, folder_), texture->image, files_))
         paint = {loaded->mean, SurfaceTexture{loaded->index, texture->wrap, texture->wrap}, paint.transparent,
                  texture->image};
       break;
@@ -153,6 +154,7 @@ class CityGmlImport {
   const pugi::xml_node model_;
   const std::string& path_;
   std::filesystem::path folder_;
+  const InputFiles& files_;
   TextureImages& images_;
   SceneBuilder& builder_;
   GmlGeometry geometry_;
@@ -204,8 +206,25 @@ Status check_depth(const pugi::xml_node& model, const std::string& path) {
 
 }  // namespace
 
-Status import_citygml(std::vector<std::byte> bytes, const std::string& path, std::optional<EarthFrame>& earth,
-                      TextureImages& images, SceneBuilder& builder) {
+// What a parser would pass over before it, so that a file need not be parsed, or even be well formed, to be told apart.
+std::string root_of_xml(std::string_view begin) {
+  for (std::size_t at = begin.find('<'); at != std::string_view::npos; at = begin.find('<', at)) {
+    const std::string_view rest = begin.substr(at);
+    if (rest.starts_with("<?") || rest.starts_with("<!")) {
+      const std::string_view end = rest.starts_with("<!--") ? "-->" : rest.starts_with("<?") ? "?>" : ">";
+      at = begin.find(end, at);
+      if (at == std::string_view::npos) break;
+      continue;
+    }
+    const std::string_view name = rest.substr(1, rest.find_first_of(" \t\r\n/>", 1) - 1);
+    if (name.find('\0') != std::string_view::npos) break;  // UTF-16
+    return std::string(name.substr(name.find(':') + 1));
+  }
+  return {};
+}
+
+Status import_citygml(std::vector<std::byte> bytes, const std::string& path, const InputFiles& files,
+                      std::optional<EarthFrame>& earth, TextureImages& images, SceneBuilder& builder) {
   pugi::xml_document document;
   // No document type is read, and so no entity: neither from elsewhere nor one made of others.
   const pugi::xml_parse_result parsed = document.load_buffer_inplace(bytes.data(), bytes.size());
@@ -217,7 +236,7 @@ Status import_citygml(std::vector<std::byte> bytes, const std::string& path, std
   const pugi::xml_node model = document.document_element();
   ZC_TRY(check_version(model, path, builder));
   ZC_TRY(check_depth(model, path));
-  return CityGmlImport(model, bytes.size(), path, earth, images, builder).run();
+  return CityGmlImport(model, bytes.size(), path, files, earth, images, builder).run();
 }
 
 }  // namespace zc
