@@ -48,7 +48,8 @@ class Inflater {
                      path};
       if (state != Z_OK && state != Z_STREAM_END && !(state == Z_BUF_ERROR && stream_.avail_out == 0))
         return Error{ErrorCode::kFormat,
-                     in.empty() ? "compressed data ends early: get the file again" : "compressed data is damaged: get the file again",
+                     in.empty() ? "compressed data ends early: get the file again"
+                                : "compressed data is damaged: get the file again",
                      path, at};
     }
     return {};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where the files of an input are read from: the disk, an archive or a server. Untrusted input: sizes are checked before
-// memory is taken.
+// Where the files of an input are read from: the disk, an archive or a server. Untrusted input: sizes are checked
+// before memory is taken.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,8 @@ class InputFiles {
   InputFiles& operator=(const InputFiles&) = delete;
   virtual ~InputFiles() = default;
 
-  // The whole file. Fails with kMissing when it is not there, otherwise when it is unreadable or larger than limit_bytes.
+  // The whole file. Fails with kMissing when it is not there, otherwise when it is unreadable or larger than
+  // limit_bytes.
   [[nodiscard]] virtual Result<std::vector<std::byte>> read(const std::filesystem::path& file,
                                                             std::uint64_t limit_bytes) const = 0;
 };
