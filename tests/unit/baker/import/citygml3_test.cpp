@@ -201,5 +201,34 @@ TEST_F(CityGml3, AppearancesAssociateTexturesWithSurfaces) {
   EXPECT_EQ(scene->materials[1].base_color, glm::vec3(1, 0, 0));
 }
 
+TEST_F(CityGml3, EveryTruncationAndChangedByteEndsWithoutACrash) {
+  const std::string whole = model(
+      "<appearanceMember><app:Appearance><app:surfaceData><app:ParameterizedTexture><app:imageURI>a.png</app:imageURI>"
+      "<app:textureParameterization><app:TextureAssociation><app:target>#a</app:target><app:textureParameterization>"
+      "<app:TexCoordList><app:textureCoordinates>0 0 1 1</app:textureCoordinates><app:ring>#a_ring</app:ring>"
+      "</app:TexCoordList></app:textureParameterization></app:TextureAssociation></app:textureParameterization>"
+      "</app:ParameterizedTexture></app:surfaceData></app:Appearance></appearanceMember>" +
+      member("<tran:Road>" + surfaces(1, rectangle("o", 0, 0, 0, 5, 5, 0)) +
+             "<tran:section><tran:Section><tran:trafficSpace><tran:TrafficSpace>" +
+             boundary("tran:TrafficArea", surfaces(2, rectangle("a", 0, 0, 0, 10, 4, 0))) +
+             solid(2, "<gml:surfaceMember xlink:href=\"#a\"/>") +
+             "</tran:TrafficSpace></tran:trafficSpace></tran:Section></tran:section></tran:Road>") +
+      member("<veg:PlantCover>" + solid(1, "<gml:surfaceMember xlink:href=\"#s\"/>") +
+             boundary("GenericThematicSurface", surfaces(1, rectangle("s", 0, 0, 0, 3, 3, 0))) + "</veg:PlantCover>") +
+      member("<veg:SolitaryVegetationObject><lod1ImplicitRepresentation><ImplicitGeometry><relativeGeometry "
+             "xlink:href=\"#s\"/><referencePoint><gml:Point><gml:pos>1 2 3</gml:pos></gml:Point></referencePoint>"
+             "</ImplicitGeometry></lod1ImplicitRepresentation></veg:SolitaryVegetationObject>"));
+  const auto scene = import_text("whole.gml", whole);
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  EXPECT_EQ(scene->objects.size(), 3U);
+  for (std::size_t i = 0; i < whole.size(); i += 13) EXPECT_FALSE(import_text("cut.gml", whole.substr(0, i)).ok()) << i;
+  for (std::size_t i = 0; i < whole.size(); i += 5) {
+    std::string bytes = whole;
+    bytes[i] = static_cast<char>(bytes[i] ^ 0x11);
+    const auto changed = import_text("changed.gml", bytes);
+    if (changed.ok()) expect_whole(*changed);
+  }
+}
+
 }  // namespace
 }  // namespace zc::test
