@@ -55,6 +55,8 @@ LIBRARIES = {
     "md5.h": ("streamer",),
     "curl/": ("streamer",),
     "zip.h": ("replay",),
+    "unzip.h": ("baker",),
+    "zlib.h": ("baker", "tests"),
     "httplib.h": ("replay",),
     "spng.h": ("baker", "replay", "tests"),
     "turbojpeg.h": ("baker", "tests"),

@@ -8,8 +8,8 @@ build=(
   cmake ninja-build g++ ccache pkg-config
   libcgal-dev libopenmesh-dev libdraco-dev libtinygltf-dev libglm-dev libtbb-dev libboost-dev libembree-dev
   libmeshoptimizer-dev libpugixml-dev libvulkan-dev mesa-vulkan-drivers vulkan-validationlayers glslang-tools
-  libcli11-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libspng-dev libturbojpeg0-dev libwebp-dev libstb-dev fonts-dejavu-core
-  libminizip-dev libmd-dev libcurl4-openssl-dev libcpp-httplib-dev
+  libcli11-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libspng-dev libturbojpeg0-dev libwebp-dev libstb-dev
+  libminizip-dev zlib1g-dev libmd-dev libcurl4-openssl-dev libcpp-httplib-dev fonts-dejavu-core
 )
 tests=(python3 libgtest-dev libspirv-cross-c-shared-dev chromium)
 # Whoever has npm, from wherever, has node too.

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <new>
 #include <optional>
 #include <string>
@@ -13,8 +14,13 @@
 #include "baker/import/citygml/citygml_import.h"
 #include "baker/import/cityjson/cityjson_import.h"
 #include "baker/import/gltf/gltf_import.h"
+#include "baker/import/input_folder.h"
+#include "baker/import/input_formats.h"
+#include "baker/import/packed/gzip_file.h"
+#include "baker/import/packed/zip_archive.h"
 #include "baker/import/shared/earth_frame.h"
-#include "baker/import/shared/json_text.h"
+#include "baker/import/shared/gunzip.h"
+#include "baker/import/shared/input_files.h"
 #include "baker/import/shared/scene_builder.h"
 #include "baker/import/shared/texture_images.h"
 #include "baker/import/shared/uri.h"
@@ -25,20 +31,7 @@ namespace zc {
 namespace {
 
 constexpr std::uint64_t kMaxInputBytes = std::uint64_t{1} << 34U;
-constexpr const char* kBlank = " \t\r\n";
-
-// A sequence of documents: the first line is closed and another object begins after it, which one JSON document never
-// does. Reads no further than that.
-bool is_sequence(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  char last = 0;
-  for (char c = 0; file.get(c) && c != '\n';)
-    if (std::string_view(kBlank).find(c) == std::string_view::npos) last = c;
-  if (last != '}') return false;
-  for (char c = 0; file.get(c);)
-    if (std::string_view(kBlank).find(c) == std::string_view::npos) return c == '{';
-  return path.extension() == ".jsonl";  // a header and nothing else
-}
+constexpr std::size_t kHeadBytes = 64;
 
 // A pipe or a device, which can be read but once. Names that lead nowhere are left to who opens them.
 bool is_stream(const std::filesystem::path& input) {
@@ -54,74 +47,192 @@ Result<std::ifstream> open_stream(const std::filesystem::path& file, const std::
   return stream;
 }
 
-Status import_one(const std::filesystem::path& input, std::optional<EarthFrame>& earth, TextureImages& images,
-                  SceneBuilder& builder) {
-  const bool is_standard_input = input == "-";
-  const std::string path = is_standard_input ? "standard input" : input.string();
-  builder.enter_file(path);
-  if (is_standard_input || is_stream(input)) {
-    ZC_ASSIGN(std::ifstream stream, open_stream(is_standard_input ? "/dev/stdin" : input, path));
-    return import_cityjson_seq(stream, path, {}, images, builder);
-  }
-  ZC_ASSIGN(const InputFile file, InputFile::open(input));
-  std::vector<std::byte> head(std::min<std::uint64_t>(file.size_bytes(), 64));
-  ZC_TRY(file.read(0, head));
-  std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
-  const bool is_glb = text.starts_with("glTF");
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  const std::size_t start = text.find_first_not_of(kBlank);
-  if (head.empty()) return Error{ErrorCode::kFormat, "is empty", path};
-  const bool is_xml = start != std::string_view::npos && text[start] == '<';
-  if (!is_glb && !is_xml && (start == std::string_view::npos || text[start] != '{'))
-    return Error{ErrorCode::kUnsupported, "is neither glTF, GLB, CityJSON, CityJSONSeq, CityGML nor a 3D Tiles tileset",
-                 path, 0};
-  if (!is_glb && !is_xml && is_sequence(input)) {
-    ZC_ASSIGN(std::ifstream stream, open_stream(input, path));
-    return import_cityjson_seq(stream, path, input, images, builder);
+// The first bytes, which tell formats apart.
+Result<std::vector<std::byte>> head_of(const std::filesystem::path& file) {
+  ZC_ASSIGN(const InputFile input, InputFile::open(file));
+  std::vector<std::byte> head(std::min<std::uint64_t>(input.size_bytes(), kHeadBytes));
+  ZC_TRY(input.read(0, head));
+  return head;
+}
+
+Error no_models(const char* what, const std::filesystem::path& input) {
+  return {ErrorCode::kUnsupported,
+          std::string("is ") + what + " without city models, expected files of " + kReadFormats +
+              "; name the folder or the files that are the city",
+          input.string()};
+}
+
+// What was found and left out is why nothing is there.
+Error nothing_to_bake(const Scene& scene, const std::filesystem::path& input) {
+  constexpr std::size_t kReasons = 5;  // of a message of one line
+  std::string message = "has no triangles, expected city objects, meshes or tiles with surfaces";
+  for (std::size_t i = 0; i < std::min(scene.notes.size(), kReasons); ++i)
+    message += (i == 0 ? "; found: " : "; ") + scene.notes[i].what + ": " + std::to_string(scene.notes[i].count);
+  return {ErrorCode::kFormat, message, input.string()};
+}
+
+// A model, and where it was found.
+struct Source {
+  std::filesystem::path path;
+  const InputFiles& files;  // that what lies beside it is read from
+  bool named = true;        // by the caller; or found in a folder or an archive, which may have other files too
+};
+
+class Importer {
+ public:
+  // What the caller named.
+  Status add(const std::filesystem::path& input) {
+    std::error_code failure;
+    if (std::filesystem::is_directory(input, failure)) return add_folder(input);
+    const bool is_standard_input = input == "-";
+    if (!is_standard_input && !is_stream(input)) return add_file(input, true);
+    const std::string path = is_standard_input ? "standard input" : input.string();
+    return account(path, [&]() -> Status {
+      ZC_ASSIGN(std::ifstream stream, open_stream(is_standard_input ? "/dev/stdin" : input, path));
+      return import_cityjson_seq(stream, path, {}, disk_files(), images_, builder_);
+    });
   }
 
-  ZC_ASSIGN(std::vector<std::byte> bytes, read_file(input, kMaxInputBytes));
-  GltfPlace place;
-  place.root = folder_of(input);
-  if (is_xml) return import_citygml(std::move(bytes), path, earth, images, builder);
-  if (is_glb) return import_gltf(std::move(bytes), path, place, images, builder);
-  text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-  if (is_tileset(text)) return import_tileset(text, path, earth, images, builder);
-  // glTF 1.0 may have no asset.
-  const bool is_gltf = (has_top_level_key(text, "asset") || has_top_level_key(text, "meshes")) &&
-                       !has_top_level_key(text, "CityObjects");
-  if (is_gltf) return import_gltf(std::move(bytes), path, place, images, builder);
-  return import_cityjson(text, path, images, builder);
-}
+  Result<Scene> finish(const std::filesystem::path& first_input) {
+    builder_.enter_file({});
+    if (builder_.crs_named() > 0)
+      builder_.note_files("inputs without a reference system, taken to be in that of the others", without_crs_);
+    builder_.note_files("files in folders and archives that are no city models, left out", other_files_);
+    images_.report(builder_);
+    Scene scene = builder_.finish(images_.take());
+    if (scene.triangles.empty()) return nothing_to_bake(scene, first_input);
+    return scene;
+  }
+
+ private:
+  Status add_folder(const std::filesystem::path& folder) {
+    ZC_ASSIGN(const std::vector<std::filesystem::path> models, models_in_folder(folder));
+    for (const std::filesystem::path& model : models) ZC_TRY(add_file(model, false));
+    return models.empty() ? Status(no_models("a folder", folder)) : Status();
+  }
+
+  Status add_archive(const std::filesystem::path& archive) {
+    ZC_ASSIGN(const std::unique_ptr<ZipArchive> zip, ZipArchive::open(archive));
+    for (const std::string& name : zip->names())
+      if (std::filesystem::path(name).filename() == "tileset.json")
+        return Error{ErrorCode::kUnsupported,
+                     "is an archive of a 3D Tiles tileset, expected its files; unpack it and bake its tileset.json",
+                     (archive / name).string()};
+    bool is_empty = true;
+    for (const std::string& name : zip->names()) {
+      if (!has_model_name(name)) continue;
+      is_empty = false;
+      const Source source{archive / name, *zip, false};
+      ZC_TRY(account(source.path.string(), [&]() -> Status {
+        ZC_ASSIGN(std::vector<std::byte> bytes, zip->read(source.path, kMaxInputBytes));
+        return import_bytes(std::move(bytes), source);
+      }));
+    }
+    return is_empty ? Status(no_models("an archive", archive)) : Status();
+  }
+
+  Status add_file(const std::filesystem::path& file, bool named) {
+    ZC_ASSIGN(const std::vector<std::byte> head, head_of(file));
+    if (is_zip(head)) return add_archive(file);
+    const Source source{file, disk_files(), named};
+    return account(file.string(), [&]() -> Status {
+      if (format_of(head) == InputFormat::kJson) {
+        ZC_ASSIGN(std::ifstream stream, open_stream(file, file.string()));
+        if (is_sequence(stream, file)) return import_sequence(stream, source);
+      }
+      ZC_ASSIGN(std::vector<std::byte> bytes, read_file(file, kMaxInputBytes));
+      return import_bytes(std::move(bytes), source);
+    });
+  }
+
+  // Line by line: a sequence on the disk is never whole in memory.
+  Status import_sequence(std::istream& stream, const Source& source) {
+    const auto rewind = [&] {
+      stream.clear();
+      stream.seekg(0);
+    };
+    rewind();
+    if (!source.named && !begins_with_city_model(stream)) return leave_out(source);
+    rewind();
+    return import_cityjson_seq(stream, source.path.string(), source.path, source.files, images_, builder_);
+  }
+
+  Status import_bytes(std::vector<std::byte> bytes, const Source& source) {
+    const std::string path = source.path.string();
+    if (is_gzip(bytes)) {
+      if (&source.files != &disk_files())
+        return Error{ErrorCode::kUnsupported,
+                     "is packed once more within its archive; unpack the archive and bake what is in it", path};
+      ZC_ASSIGN(bytes, unpack_gzip(bytes, path));
+    }
+    const InputFormat format = format_of(bytes);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (format == InputFormat::kJson)
+      if (MemoryStream stream(bytes); is_sequence(stream, source.path)) return import_sequence(stream, source);
+    if (!source.named && !is_city_model(format, text)) return leave_out(source);
+    if (bytes.empty()) return Error{ErrorCode::kFormat, std::string("is empty, expected ") + kReadFormats, path};
+    GltfPlace place;
+    place.root = folder_of(source.path);
+    switch (format) {
+      case InputFormat::kUnknown:
+        break;
+      case InputFormat::kXml:
+        return import_citygml(std::move(bytes), path, source.files, earth_, images_, builder_);
+      case InputFormat::kGlb:
+        return import_gltf(std::move(bytes), path, place, images_, builder_);
+      case InputFormat::kJson:
+        if (is_tileset(text)) return import_tileset(text, path, earth_, images_, builder_);
+        if (is_gltf(text)) return import_gltf(std::move(bytes), path, place, images_, builder_);
+        return import_cityjson(text, path, source.files, images_, builder_);
+    }
+    return Error{ErrorCode::kUnsupported,
+                 std::string("is of no format that is read, expected ") + kReadFormats + "; convert it to one of them",
+                 path, 0};
+  }
+
+  // Runs the import of one file: ends exceptions, and keeps account of reference systems.
+  template <class Import>
+  Status account(const std::string& path, const Import& import) {
+    const std::uint64_t crs_named = builder_.crs_named();
+    const std::size_t left_out = other_files_.size();
+    builder_.enter_file(path);
+    try {
+      if (Status status = import(); !status.ok()) {
+        Error error = std::move(status).error();
+        if (error.path.empty()) error.path = path;
+        return error;
+      }
+    } catch (const std::bad_alloc&) {
+      return Error{ErrorCode::kBudget, "not enough memory to import this file", path};
+    }
+    if (builder_.crs_named() == crs_named && other_files_.size() == left_out) without_crs_.push_back(path);
+    return {};
+  }
+
+  Status leave_out(const Source& source) {
+    other_files_.push_back(source.path.string());
+    return {};
+  }
+
+  std::optional<EarthFrame> earth_;
+  TextureImages images_;
+  SceneBuilder builder_;
+  std::vector<std::string> without_crs_;
+  std::vector<std::string> other_files_;
+};
 
 }  // namespace
 
 Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs) {
   if (inputs.empty()) return Error{ErrorCode::kArgument, "no input given"};
-  SceneBuilder builder;
-  std::optional<EarthFrame> earth;
-  TextureImages images;
-  std::vector<std::string> without_crs;
-  for (const std::filesystem::path& input : inputs) {
-    const std::uint64_t crs_named = builder.crs_named();
-    try {
-      if (Status status = import_one(input, earth, images, builder); !status.ok()) {
-        Error error = std::move(status).error();
-        if (error.path.empty()) error.path = input.empty() ? "''" : input.string();
-        return error;
-      }
-    } catch (const std::bad_alloc&) {
-      return Error{ErrorCode::kBudget, "not enough memory to import this file", input.string()};
+  Importer importer;
+  for (const std::filesystem::path& input : inputs)
+    if (Status status = importer.add(input); !status.ok()) {
+      Error error = std::move(status).error();
+      if (error.path.empty()) error.path = input.empty() ? "''" : input.string();
+      return error;
     }
-    if (builder.crs_named() == crs_named) without_crs.push_back(input.string());
-  }
-  builder.enter_file({});
-  if (builder.crs_named() > 0)
-    builder.note_files("inputs without a reference system, taken to be in that of the others", without_crs);
-  images.report(builder);
-  Scene scene = builder.finish(images.take());
-  if (scene.triangles.empty()) return Error{ErrorCode::kFormat, "has no triangles", inputs.front().string()};
-  return scene;
+  return importer.finish(inputs.front());
 }
 
 }  // namespace zc

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reads city models of every supported format into one Scene: glTF 2.0 and GLB (Draco, quantised), CityJSON 1.1 and
-// 2.0, CityJSONSeq, CityGML 1.0 and 2.0, 3D Tiles 1.0 and 1.1. What was left out or replaced is counted in
-// Scene::notes. Units: metres in the inputs' CRS, z up (glTF's y up is turned; geocentric tilesets get a local frame).
+// 2.0, CityJSONSeq, CityGML 1.0, 2.0 and 3.0, 3D Tiles 1.0 and 1.1; as files, packed with gzip or in a ZIP archive, or
+// as a folder of them. What was left out or replaced is counted in Scene::notes. Units: metres in the inputs' CRS, z up
+// (glTF's y up is turned; geocentric tilesets get a local frame).
 // Untrusted input. Thread-safe: no state. Fails when a file is unreadable, does not follow its format or needs what is
 // not handled; when inputs name different coordinate reference systems; when nothing has a triangle.
 #pragma once
@@ -14,7 +15,8 @@
 
 namespace zc {
 
-// Reads every input (told apart by content, not by extension) and merges them into one scene, in order. A pipe, or "-"
+// Reads every input (told apart by content, not by extension) and merges them into one scene, in order. Folders and
+// archives give their models in the order of their paths; what in them is no city model is noted. A pipe, or "-"
 // for standard input, gives CityJSONSeq, which is not kept in memory; its images lie in the current folder.
 Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs);
 

@@ -106,8 +106,8 @@ void add_bake(CLI::App& app, const SetCommand& set) {
   CLI::App* command = app.add_subcommand("bake", "Bake city models into a world of zones");
   command
       ->add_option("inputs", arguments->inputs,
-                   "glTF, GLB, CityJSON 1.1/2.0, CityJSONSeq, CityGML 2.0 or 3D Tiles 1.0/1.1 (tileset.json) files; "
-                   "-: CityJSONSeq from standard input")
+                   "glTF, GLB, CityJSON, CityJSONSeq, CityGML, 3D Tiles (tileset.json), each also as .gz or .zip; "
+                   "folders of them; -: CityJSONSeq from standard input")
       ->required();
   add_json_option(*command, arguments->json, command->get_option("inputs"));
   command->add_option("-o,--output", arguments->out, "World folder to write; an old world there is replaced")

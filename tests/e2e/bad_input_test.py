@@ -2,11 +2,13 @@
 """Bad input: one clear line, the right exit code, no crash, nothing half-written."""
 
 import copy
+import gzip
 import json
 import os
 import re
 import shutil
 import subprocess
+import zipfile
 
 import support
 
@@ -45,6 +47,20 @@ class PipedModels(support.Case):
             self.assertEqual(bake.wait(timeout=240), 0)
         self.assertEqual((self.folder / "piped" / "world.zcw").read_bytes(), (world / "world.zcw").read_bytes())
 
+    def test_packed_models_and_a_folder_of_them_are_the_same_world(self):
+        packed, folder, archive = self.folder / "city.jsonl.gz", self.folder / "cities", self.folder / "city.zip"
+        packed.write_bytes(gzip.compress(self.lines.encode()))
+        folder.mkdir()
+        (folder / "city.jsonl").write_text(self.lines)
+        (folder / "notes.json").write_text("{}")
+        with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as file:
+            file.writestr("inner/city.jsonl", self.lines)
+        for name in (packed, folder, archive):
+            with self.subTest(name=name.name):
+                self.zonecast("bake", "--no-light", name, "-o", self.folder / "unpacked")
+                self.assertEqual((self.folder / "unpacked" / "world.zcw").read_bytes(),
+                                 (self.folder / "from_file" / "world.zcw").read_bytes())
+
     def test_other_formats_from_a_pipe_are_one_line(self):
         indented = json.dumps(json.loads((self.folder / "city.json").read_text()), indent=1)
         for text in (b"", b"glTF\2\0\0\0", b"<CityModel/>", indented.encode(), self.lines.encode()[:-20]):
@@ -74,8 +90,10 @@ class BadModels(support.Case):
     def test_missing_file(self):
         self.assert_refused(["bake", self.folder / "none.glb", "-o", self.folder / "new"], FAILURE, "none.glb")
 
-    def test_folder_as_input(self):
-        self.assert_refused(["bake", self.folder / "city", "-o", self.folder / "new"], FAILURE, self.folder / "city")
+    def test_folder_without_models(self):
+        (self.folder / "none").mkdir()
+        self.assert_refused(["bake", self.folder / "none", "-o", self.folder / "new"], FAILURE, self.folder / "none",
+                            "without city models")
 
     def test_empty_file_and_other_formats(self):
         self.refuse("empty.glb", b"")

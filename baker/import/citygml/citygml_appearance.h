@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Appearances of a CityGML document: what paints the surfaces of which ids. Source: OGC 12-019 (CityGML 2.0), clause 9.
+// Appearances of a CityGML document: what paints the surfaces of which ids. Source: OGC 12-019 (CityGML 2.0), clause 9;
+// OGC 21-006r2 (CityGML 3.0 in GML), appearance.xsd.
 // Borrows the document. Untrusted input. Thread-safe for const use.
 #pragma once
 
@@ -11,20 +12,11 @@
 #include <string_view>
 #include <vector>
 
+#include "baker/import/shared/scene_builder.h"
 #include "baker/scene/texture_image.h"
 #include "base/result.h"
 
 namespace zc {
-
-// The name without its namespace's prefix.
-std::string_view local_name(const pugi::xml_node& node);
-// The first child or attribute of that local name; an empty one where there is none.
-pugi::xml_node gml_child(const pugi::xml_node& node, std::string_view name);
-std::string_view gml_attribute(const pugi::xml_node& node, std::string_view name);
-std::string_view gml_text(const pugi::xml_node& node);
-// Numbers between blanks or commas. Fails on anything else, naming the place.
-Result<std::vector<double>> gml_numbers(const pugi::xml_node& node, const std::string& path);
-Error gml_error(const pugi::xml_node& node, std::string message, const std::string& path);
 
 struct GmlTexture {
   std::string image;
@@ -39,8 +31,8 @@ struct GmlMaterial {
 
 class GmlAppearance {
  public:
-  // Of one theme: the first that the document names. Adds to `other_themes` what else there is.
-  static Result<GmlAppearance> read(const pugi::xml_node& model, const std::string& path, std::uint64_t& other_themes);
+  // Of one theme: the first that the document names. Notes what else there is.
+  static Result<GmlAppearance> read(const pugi::xml_node& model, const std::string& path, SceneBuilder& builder);
 
   // Null where nothing paints the surface.
   [[nodiscard]] const GmlTexture* texture(std::string_view surface) const;
@@ -49,8 +41,9 @@ class GmlAppearance {
   [[nodiscard]] const std::vector<glm::vec2>* texcoords(std::string_view ring) const;
 
  private:
-  Status add(const pugi::xml_node& appearance, const std::string& path);
+  Status add(const pugi::xml_node& appearance, const std::string& path, SceneBuilder& builder);
   Status add_texture(const pugi::xml_node& data, const std::string& path);
+  Status add_texcoords(const pugi::xml_node& lists, const std::string& path);
   Status add_material(const pugi::xml_node& data, const std::string& path);
 
   std::vector<GmlTexture> textures_;

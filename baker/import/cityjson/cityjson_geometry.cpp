@@ -209,7 +209,7 @@ class GeometryReader {
         return fault("texture index " + one_line(texture->dump()) + " out of range (" +
                      std::to_string(appearance.textures.size()) + " textures)");
       const auto& [image, wrap] = appearance.textures[*index];
-      if (const auto loaded = context_.images.of_file(context_.source.image_file(image), image))
+      if (const auto loaded = context_.images.of_file(context_.source.image_file(image), image, context_.source.files))
         paint = {loaded->mean, SurfaceTexture{loaded->index, wrap, wrap}, paint.transparent, image};
     }
     return paint;

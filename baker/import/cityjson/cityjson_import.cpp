@@ -86,15 +86,16 @@ Result<CityHeader> read_header(const json& document, const CitySource& source, S
 
 }  // namespace
 
-Status import_cityjson(std::string_view text, const std::string& path, TextureImages& images, SceneBuilder& builder) {
-  const CitySource source{path, text, 0, path};
+Status import_cityjson(std::string_view text, const std::string& path, const InputFiles& files, TextureImages& images,
+                       SceneBuilder& builder) {
+  const CitySource source{path, text, 0, path, files};
   ZC_ASSIGN(const json document, parse_json(text, path));
   ZC_ASSIGN(const CityHeader header, read_header(document, source, builder));
   return add_city_objects(document, header, source, images, builder);
 }
 
 Status import_cityjson_seq(std::istream& stream, const std::string& path, const std::filesystem::path& model,
-                           TextureImages& images, SceneBuilder& builder) {
+                           const InputFiles& files, TextureImages& images, SceneBuilder& builder) {
   std::string line;
   std::int64_t offset = 0;
   std::optional<CityHeader> header;
@@ -114,7 +115,7 @@ Status import_cityjson_seq(std::istream& stream, const std::string& path, const 
     if (first == std::string_view::npos) continue;
     if (!header && (text[first] != '{' || text[text.find_last_not_of(kBlank)] != '}'))
       return Error{ErrorCode::kUnsupported, kOnlySequences, path, line_offset};
-    const CitySource source{path, text, line_offset, model};
+    const CitySource source{path, text, line_offset, model, files};
     ZC_ASSIGN(const json document, parse_json(text, path, line_offset));
     if (!header) {
       ZC_ASSIGN(header, read_header(document, source, builder));

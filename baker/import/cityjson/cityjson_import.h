@@ -9,18 +9,20 @@
 #include <string>
 #include <string_view>
 
+#include "baker/import/shared/input_files.h"
 #include "baker/import/shared/scene_builder.h"
 #include "baker/import/shared/texture_images.h"
 #include "base/result.h"
 
 namespace zc {
 
-// `text` is the whole file.
-Status import_cityjson(std::string_view text, const std::string& path, TextureImages& images, SceneBuilder& builder);
+// `text` is the whole file; images are read from `files`.
+Status import_cityjson(std::string_view text, const std::string& path, const InputFiles& files, TextureImages& images,
+                       SceneBuilder& builder);
 
 // Reads line by line, holding one line at a time, of at most 256 MiB. `path` is for messages; images lie beside
 // `model`.
 Status import_cityjson_seq(std::istream& stream, const std::string& path, const std::filesystem::path& model,
-                           TextureImages& images, SceneBuilder& builder);
+                           const InputFiles& files, TextureImages& images, SceneBuilder& builder);
 
 }  // namespace zc

@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <unordered_set>
 
 #include "baker/import/cityjson/cityjson_geometry.h"
 #include "baker/import/shared/json_text.h"
@@ -23,6 +24,8 @@ struct Plan {
   double lod = -1;                  // of the chosen geometry
   std::vector<const json*> chosen;  // entries of "geometry" at the highest level
   std::string parent;               // in the same document, empty when none
+  std::string owner;                // the object in the scene, once it is known
+  bool in_circle = false;           // of parents, or below one
 };
 
 std::string type_of(const json& value) {
@@ -133,16 +136,32 @@ class ObjectsReader {
     }
   }
 
-  // The outermost ancestor reached through parents that have geometry at the same level.
-  [[nodiscard]] std::string owner_of(const std::string& id) const {
+  // The outermost ancestor reached through parents that have geometry at the same level; the object itself where they
+  // go round in a circle. Every step up is taken once.
+  const std::string& owner_of(const std::string& id) {
+    std::vector<std::string> below;
+    std::unordered_set<std::string> passed;
     std::string owner = id;
-    for (std::size_t step = 0; step <= plans_.size(); ++step) {
+    bool in_circle = false;
+    while (true) {
       const Plan& plan = plans_.at(owner);
+      in_circle = plan.in_circle || !passed.insert(owner).second;
+      if (in_circle) break;
+      if (!plan.owner.empty()) {
+        owner = plan.owner;
+        break;
+      }
+      below.push_back(owner);
       const auto parent = plans_.find(plan.parent);
-      if (parent == plans_.end() || parent->second.chosen.empty() || parent->second.lod != plan.lod) return owner;
+      if (parent == plans_.end() || parent->second.chosen.empty() || parent->second.lod != plan.lod) break;
       owner = plan.parent;
     }
-    return id;  // parents in a circle
+    for (const std::string& member : below) {
+      Plan& plan = plans_.at(member);
+      plan.owner = in_circle ? member : owner;
+      plan.in_circle = in_circle;
+    }
+    return plans_.at(id).owner;
   }
 
   Status add_object(const std::string& owner, const std::vector<std::string>& ids) {

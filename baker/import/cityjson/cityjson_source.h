@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "baker/import/shared/input_files.h"
 #include "baker/scene/texture_image.h"
 #include "base/result.h"
 
@@ -22,6 +23,7 @@ struct CitySource {
   std::string_view text;         // of the document or line
   std::int64_t base_offset = 0;  // of `text` in the file
   std::filesystem::path model;   // beside which images lie: `path`, or nothing for a stream
+  const InputFiles& files;       // that these are read from
 
   // What a texture calls `name` (uri.h).
   [[nodiscard]] Result<std::filesystem::path> image_file(const std::string& name) const;

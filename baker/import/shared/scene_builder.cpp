@@ -163,7 +163,9 @@ Status SceneBuilder::set_crs(const std::string& crs, const std::string& path) {
   if (scene_.crs.empty()) scene_.crs = crs;
   if (crs_key(scene_.crs) != crs_key(crs))
     return Error{ErrorCode::kUnsupported,
-                 "reference system '" + crs + "' differs from '" + scene_.crs + "' of an earlier input", path};
+                 "reference system '" + crs + "' differs from '" + scene_.crs +
+                     "' of an earlier input; bake them apart, or convert one",
+                 path};
   return {};
 }
 

@@ -162,8 +162,10 @@ TEST_F(CityGml, WhatIsWrongIsNamedWithItsPlace) {
     EXPECT_EQ(scene.error().describe().find('\n'), std::string::npos);
   };
   refused("<a><b></a>", "invalid XML");
-  refused("<kml/>", "not a CityModel");
-  refused("<CityModel xmlns=\"http://www.opengis.net/citygml/3.0\"/>", "only 1.0 and 2.0");
+  refused("<kml/>", "root is kml, not a CityModel: expected a CityModel of CityGML 1.0, 2.0 or 3.0");
+  for (const char* other : {"http://www.opengis.net/citygml/4.0", "http://www.citygml.org/citygml/1/0/0"})
+    refused("<CityModel xmlns=\"" + std::string(other) + "\"/>",
+            "'" + std::string(other) + "': expected a CityModel of");
   refused(model(""), "no triangles");
   std::string text = model(house());
   text.replace(text.find("4 0 3"), 5, "4 O 3");
@@ -180,6 +182,128 @@ TEST_F(CityGml, WhatIsWrongIsNamedWithItsPlace) {
   for (int i = 0; i < 100'000; ++i) deep += "<x>";
   for (int i = 0; i < 100'000; ++i) deep += "</x>";
   refused(model(member("<bldg:Building>" + deep + "</bldg:Building>")), "nest deeper");
+}
+
+TEST_F(CityGml, TheRootsNamespaceDecidesWhateverElseTheTextSays) {
+  const std::string building = "<c:cityObjectMember><Building>" +
+                               surfaces("b:lod1MultiSurface", polygon("p", "0 0 0 4 0 0 4 0 3 0 0 3 0 0 0")) +
+                               "</Building></c:cityObjectMember>";
+  const auto document = [&](const std::string& namespaces) {
+    return "<?xml version=\"1.0\"?><!-- CityGML http://www.opengis.net/citygml/4.0 -->\n<c:CityModel " + namespaces +
+           " xmlns:b=\"urn:b\" xmlns:gml=\"urn:gml\" xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" "
+           "xsi:schemaLocation=\"http://www.opengis.net/citygml/building/4.0 "
+           "http://schemas.opengis.net/citygml/building/4.0/building.xsd\">" +
+           building + "</c:CityModel>";
+  };
+  for (const char* core : {"http://www.opengis.net/citygml/1.0", "http://www.opengis.net/citygml/2.0",
+                           "http://www.opengis.net/citygml/3.0", "http://www.opengis.net/citygml/profiles/base/2.0"}) {
+    const auto scene = import_text(
+        "house.gml", document("xmlns=\"http://www.opengis.net/citygml/5.0\" xmlns:c=\"" + std::string(core) + "\""));
+    ASSERT_TRUE(scene.ok()) << scene.error().describe();
+    EXPECT_NEAR(area(*scene), 12, 1e-9);
+  }
+  EXPECT_FALSE(import_text("house.gml", document("xmlns=\"http://www.opengis.net/citygml/2.0\" "
+                                                 "xmlns:c=\"http://www.opengis.net/citygml/5.0\""))
+                   .ok());
+}
+
+TEST_F(CityGml, ReferencesWithinAnObjectAreFollowedOnce) {
+  // The solid has the polygons, the wall names them, and names what names itself; the roof's is of another level.
+  const std::string refer = "<gml:surfaceMember xlink:href=\"#";
+  const auto scene = import_text(
+      "house.gml",
+      model(member("<bldg:Building gml:id=\"house\"><bldg:lod2Solid><gml:Solid><gml:exterior><gml:CompositeSurface>"
+                   "<gml:surfaceMember>" +
+                   polygon("wall", "0 0 0 4 0 0 4 0 3 0 0 3 0 0 0") + "</gml:surfaceMember>" + refer + "other\"/>" +
+                   refer +
+                   "cap\"/></gml:CompositeSurface></gml:exterior></gml:Solid></bldg:lod2Solid>"
+                   "<bldg:boundedBy><bldg:GroundSurface><bldg:lod2MultiSurface><gml:MultiSurface gml:id=\"loop\">" +
+                   refer + "loop\"/>" + refer + "wall\"/>" + refer + "wall\"/>" +
+                   "</gml:MultiSurface></bldg:lod2MultiSurface></bldg:GroundSurface></bldg:boundedBy>" +
+                   surfaces("bldg:lod1MultiSurface", polygon("cap", "0 0 3 4 0 3 4 2 3 0 2 3 0 0 3")) +
+                   "</bldg:Building>") +
+            member("<bldg:Building gml:id=\"next\">" +
+                   surfaces("bldg:lod2MultiSurface", polygon("other", "9 0 0 10 0 0 10 0 1 9 0 1 9 0 0")) +
+                   "</bldg:Building>")));
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  ASSERT_EQ(scene->objects.size(), 2U);
+  EXPECT_NEAR(area(*scene), 12 + 8 + 1, 1e-9);
+  EXPECT_EQ(scene->materials[scene->triangle_material[0]].name, "GroundSurface");
+  EXPECT_EQ(noted(*scene, "outside of their object"), 1U);
+}
+
+TEST_F(CityGml, ImplicitGeometriesThatNestEndAtOnce) {
+  const auto placed = [](const std::string& shape) {
+    return "<core:ImplicitGeometry><core:relativeGMLGeometry xlink:href=\"#" + shape +
+           "\"/><core:referencePoint><gml:Point><gml:pos>0 0 0</gml:pos></gml:Point></core:referencePoint>"
+           "</core:ImplicitGeometry>";
+  };
+  std::string text = member("<bldg:Building><bldg:lod2ImplicitRepresentation>" + placed("g0") +
+                            "</bldg:lod2ImplicitRepresentation></bldg:Building>");
+  for (int i = 0; i < 40; ++i) {
+    const std::string next = "g" + std::to_string(i + 1);
+    text += "<x><gml:MultiSurface gml:id=\"g" + std::to_string(i) + "\">" + placed(next) + placed(next) +
+            "</gml:MultiSurface></x>";
+  }
+  text += "<x><gml:MultiSurface gml:id=\"g40\">" + polygon("p", "0 0 0 1 0 0 0 1 0 0 0 0") + "</gml:MultiSurface></x>";
+  const auto scene = import_text("laughs.gml", model(text));
+  ASSERT_FALSE(scene.ok());
+  EXPECT_NE(scene.error().message.find("implicit geometries within implicit geometries, left out: 2"),
+            std::string::npos)
+      << scene.error().describe();
+}
+
+TEST_F(CityGml, PlacementsAreBoundedByTheFile) {
+  std::string ring;
+  for (int i = 0; i < 100'000; ++i) ring += std::to_string(i) + " 0 0 ";
+  std::string text;
+  for (int i = 0; i < 200; ++i)
+    text +=
+        "<bldg:lod2ImplicitRepresentation><core:ImplicitGeometry><core:relativeGMLGeometry xlink:href=\"#shape\"/>"
+        "<core:referencePoint><gml:Point><gml:pos>0 0 0</gml:pos></gml:Point></core:referencePoint>"
+        "</core:ImplicitGeometry></bldg:lod2ImplicitRepresentation>";
+  const auto scene = import_text(
+      "many.gml", model(member("<bldg:Building>" + text + "</bldg:Building>") +
+                        "<x><gml:MultiSurface gml:id=\"shape\">" + polygon("p", ring) + "</gml:MultiSurface></x>"));
+  ASSERT_FALSE(scene.ok());
+  EXPECT_EQ(scene.error().code, ErrorCode::kBudget);
+  EXPECT_NE(scene.error().message.find("split it into several files"), std::string::npos) << scene.error().message;
+}
+
+TEST_F(CityGml, ReferenceSystemsAreReadAsTheyAreSpelled) {
+  const std::string tokyo = "35.68 139.76 10 35.68 139.761 10 35.681 139.761 10 35.681 139.76 10 35.68 139.76 10";
+  const std::string turned = "139.76 35.68 10 139.761 35.68 10 139.761 35.681 10 139.76 35.681 10 139.76 35.68 10";
+  const auto building = [](const std::string& points) {
+    return member("<bldg:Building>" + surfaces("bldg:lod1MultiSurface", polygon("p", points)) + "</bldg:Building>");
+  };
+  for (const auto& [crs, points] :
+       {std::pair<std::string, std::string>{"urn:ogc:def:crs,crs:EPSG:6.12:4326,crs:EPSG:6.12:5783", tokyo},
+        {"http://www.opengis.net/def/crs-compound?1=http://www.opengis.net/def/crs/EPSG/0/6697&amp;2=http://x/1",
+         tokyo},
+        {"urn:ogc:def:crs:EPSG::4979", tokyo},
+        {"EPSG:4326+5773", tokyo},
+        {"urn:ogc:def:crs:OGC:1.3:CRS84", turned}}) {
+    const auto scene = import_text("tokyo.gml", model(building(points), crs));
+    ASSERT_TRUE(scene.ok()) << scene.error().describe();
+    EXPECT_NEAR(area(*scene), 90.51 * 110.95, 25) << crs;
+    for (std::size_t t = 0; t < scene->triangles.size(); ++t) EXPECT_GT(normal2(*scene, t).z, 0) << crs;
+  }
+  const std::string metres = building("458875 5438355 112 458885 5438355 112 458885 5438360 112 458875 5438355 112");
+  for (const std::string crs :
+       {"urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::5783", "urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH", "EPSG:25832"}) {
+    const auto scene = import_text("city.gml", model(metres, crs));
+    ASSERT_TRUE(scene.ok()) << scene.error().describe();
+    EXPECT_EQ(scene->crs, crs);
+    EXPECT_NEAR(area(*scene), 25, 1e-6);
+  }
+  // Where the model names none, what is in it may.
+  std::string inner = model(metres);
+  inner.replace(inner.find("<gml:boundedBy>"), 15, "<gml:unknown>");
+  inner.replace(inner.find("</gml:boundedBy>"), 16, "</gml:unknown>");
+  inner.replace(inner.find("EPSG:25832"), 10, "EPSG:25833");
+  const auto scene = import_text("inner.gml", inner);
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  EXPECT_EQ(scene->crs, "EPSG:25833");
 }
 
 TEST_F(CityGml, EveryTruncationAndChangedByteEndsWithoutACrash) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <chrono>
+
 #include "tests/unit/baker/import/import_support.h"
 
 namespace zc::test {
@@ -239,6 +241,37 @@ TEST_F(CityJson, ChildrenJoinTheirParentAtItsLevelAndReplaceItsFootprint) {
   EXPECT_EQ(scene->objects[0].triangle_count, 24U);
   EXPECT_EQ(scene->objects[1].id, "c");
   EXPECT_EQ(scene->objects[2].id, "fp");
+}
+
+TEST_F(CityJson, LongChainsAndCirclesOfParentsEnd) {
+  const auto object = [](int i, int parent) {
+    std::string text =
+        "\"o" + std::to_string(100'000 + i) +
+        R"(":{"type":"BuildingPart","geometry":[{"type":"MultiSurface","lod":"2","boundaries":[[[0,1,2]]]}])";
+    if (parent >= 0) text += R"(,"parents":["o)" + std::to_string(100'000 + parent) + "\"]";
+    return text + "}";
+  };
+  const auto document = [](const std::string& objects) {
+    return R"({"type":"CityJSON","version":"2.0","transform":{"scale":[1,1,1],"translate":[0,0,0]},"CityObjects":{)" +
+           objects + R"(},"vertices":[[0,0,0],[4,0,0],[0,4,0]]})";
+  };
+  for (const bool downwards : {false, true}) {
+    const int count = 20'000;
+    std::string objects = downwards ? object(count - 1, -1) : object(0, -1);
+    for (int i = 1; i < count; ++i) objects += "," + (downwards ? object(count - 1 - i, count - i) : object(i, i - 1));
+    const auto begin = std::chrono::steady_clock::now();
+    const auto scene = import_text("chain.json", document(objects));
+    ASSERT_TRUE(scene.ok()) << scene.error().describe();
+    ASSERT_EQ(scene->objects.size(), 1U);
+    EXPECT_EQ(scene->objects[0].id, downwards ? "o119999" : "o100000");
+    EXPECT_EQ(scene->triangles.size(), 20'000U);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+  }
+  // 1 and 2 name each other, 0 and 3 lead to them: each stays an object of its own.
+  const auto circle =
+      import_text("circle.json", document(object(0, 1) + "," + object(1, 2) + "," + object(2, 1) + "," + object(3, 2)));
+  ASSERT_TRUE(circle.ok()) << circle.error().describe();
+  EXPECT_EQ(circle->objects.size(), 4U);
 }
 
 TEST_F(CityJson, SemanticsDecideMaterialsAndOpenClosuresGo) {
