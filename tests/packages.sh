@@ -7,11 +7,12 @@ set -euo pipefail
 build=(
   cmake ninja-build g++ ccache pkg-config
   libcgal-dev libopenmesh-dev libdraco-dev libtinygltf-dev libglm-dev libtbb-dev libboost-dev libembree-dev
-  libmeshoptimizer-dev libpugixml-dev libvulkan-dev mesa-vulkan-drivers vulkan-validationlayers glslang-tools
+  libmeshoptimizer-dev libpugixml-dev libspirv-cross-c-shared-dev libvulkan-dev mesa-vulkan-drivers
+  vulkan-validationlayers glslang-tools
   libcli11-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libspng-dev libturbojpeg0-dev libwebp-dev libstb-dev
   libminizip-dev zlib1g-dev libmd-dev libcurl4-openssl-dev libcpp-httplib-dev fonts-dejavu-core
 )
-tests=(python3 libgtest-dev libspirv-cross-c-shared-dev chromium)
+tests=(python3 libgtest-dev chromium)
 # Whoever has npm, from wherever, has node too.
 command -v npm >/dev/null || tests+=(nodejs npm)
 checks=(git clang-14 clang-format-14 clang-tidy-14)

@@ -26,7 +26,7 @@ class Embed(Case):
         build = pathlib.Path(BINARY).parent
         for component in ("streamer", "runtime"):
             command("cmake", "--install", build, "--prefix", cls.folder / "prefix", "--component", component)
-        command("cmake", "-S", SOURCES / "tests/embed", "-B", cls.folder / "build",
+        command("cmake", "-G", "Ninja", "-S", SOURCES / "tests/embed", "-B", cls.folder / "build",
                 f"-DCMAKE_PREFIX_PATH={cls.folder / 'prefix'}", "-DCMAKE_BUILD_TYPE=Release")
         command("cmake", "--build", cls.folder / "build")
         cls.embed = cls.folder / "build" / "embed"
@@ -53,7 +53,7 @@ class Embed(Case):
         project.mkdir()
         (project / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.25)\nproject(wrong CXX)\n"
                                                 "find_package(zonecast REQUIRED COMPONENTS baker)\n")
-        done = subprocess.run(["cmake", "-S", project, "-B", project / "build",
+        done = subprocess.run(["cmake", "-G", "Ninja", "-S", project, "-B", project / "build",
                                f"-DCMAKE_PREFIX_PATH={self.folder / 'prefix'}"], capture_output=True, text=True, check=False)
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("baker", done.stderr)
