@@ -14,6 +14,7 @@ namespace zc {
 enum class ErrorCode {
   kArgument,     // the caller's words are wrong: exit code 2
   kIo,           // the operating system refused
+  kMissing,      // a file that is not where it was looked for, where callers can go on without
   kFormat,       // bytes that do not follow their format
   kUnsupported,  // a valid input that zonecast does not handle
   kBudget,       // does not fit under the memory cap

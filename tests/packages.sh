@@ -9,7 +9,7 @@ build=(
   libcgal-dev libopenmesh-dev libdraco-dev libtinygltf-dev libglm-dev libtbb-dev libboost-dev libembree-dev
   libmeshoptimizer-dev libpugixml-dev libvulkan-dev mesa-vulkan-drivers vulkan-validationlayers glslang-tools
   libcli11-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libspng-dev libstb-dev fonts-dejavu-core
-  libminizip-dev libmd-dev libcurl4-openssl-dev libcpp-httplib-dev
+  libminizip-dev zlib1g-dev libzstd-dev libmd-dev libcurl4-openssl-dev libcpp-httplib-dev
 )
 tests=(python3 libgtest-dev libspirv-cross-c-shared-dev chromium)
 # Whoever has npm, from wherever, has node too.

@@ -14,12 +14,18 @@
 #include "baker/import/cityjson/cityjson_import.h"
 #include "baker/import/gltf/gltf_import.h"
 #include "baker/import/shared/earth_frame.h"
+#include "baker/import/shared/gunzip.h"
 #include "baker/import/shared/json_text.h"
 #include "baker/import/shared/scene_builder.h"
 #include "baker/import/shared/texture_images.h"
 #include "baker/import/shared/uri.h"
+#include "baker/import/tiles/tile_content.h"
+#include "baker/import/tiles/tile_files.h"
+#include "baker/import/tiles/tileset_file.h"
 #include "baker/import/tiles/tileset_import.h"
+#include "baker/import/tiles/zip_files.h"
 #include "base/file.h"
+#include "streamer/source/source.h"
 
 namespace zc {
 namespace {
@@ -54,8 +60,9 @@ Result<std::ifstream> open_stream(const std::filesystem::path& file, const std::
   return stream;
 }
 
-Status import_one(const std::filesystem::path& input, std::optional<EarthFrame>& earth, TextureImages& images,
-                  SceneBuilder& builder) {
+Status import_one(const std::filesystem::path& input, const ImportOptions& options, std::optional<EarthFrame>& earth,
+                  TextureImages& images, SceneBuilder& builder) {
+  if (is_url(input.native())) return import_web_tiles(input.native(), options.skip_missing, earth, images, builder);
   const bool is_standard_input = input == "-";
   const std::string path = is_standard_input ? "standard input" : input.string();
   builder.enter_file(path);
@@ -67,26 +74,44 @@ Status import_one(const std::filesystem::path& input, std::optional<EarthFrame>&
   std::vector<std::byte> head(std::min<std::uint64_t>(file.size_bytes(), 64));
   ZC_TRY(file.read(0, head));
   std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  if (is_zip(head)) return import_tiles_archive(input, options.skip_missing, earth, images, builder);
+  std::vector<std::byte> bytes;
+  if (is_gzip(head)) {
+    ZC_ASSIGN(const std::vector<std::byte> packed, read_file(input, kMaxInputBytes));
+    ZC_ASSIGN(bytes, gunzip(packed, path, kMaxUnpackedBytes));
+    text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+  const TilesetSource tiles{.skip_missing = options.skip_missing};
+  if (is_tile_content(text)) {
+    if (bytes.empty()) {
+      ZC_ASSIGN(bytes, read_file(input, kMaxInputBytes));
+    }
+    return import_tileset(std::move(bytes), input, tiles, earth, images, builder);
+  }
   const bool is_glb = text.starts_with("glTF");
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   const std::size_t start = text.find_first_not_of(kBlank);
   if (head.empty()) return Error{ErrorCode::kFormat, "is empty", path};
   const bool is_xml = start != std::string_view::npos && text[start] == '<';
   if (!is_glb && !is_xml && (start == std::string_view::npos || text[start] != '{'))
-    return Error{ErrorCode::kUnsupported, "is neither glTF, GLB, CityJSON, CityJSONSeq, CityGML nor a 3D Tiles tileset",
-                 path, 0};
-  if (!is_glb && !is_xml && is_sequence(input)) {
+    return Error{
+        ErrorCode::kUnsupported,
+        "is neither glTF, GLB, CityJSON, CityJSONSeq, CityGML nor 3D Tiles (tileset.json, .3tz, b3dm, i3dm, cmpt)",
+        path, 0};
+  if (!is_glb && !is_xml && bytes.empty() && is_sequence(input)) {
     ZC_ASSIGN(std::ifstream stream, open_stream(input, path));
     return import_cityjson_seq(stream, path, input, images, builder);
   }
 
-  ZC_ASSIGN(std::vector<std::byte> bytes, read_file(input, kMaxInputBytes));
+  if (bytes.empty()) {
+    ZC_ASSIGN(bytes, read_file(input, kMaxInputBytes));
+  }
   GltfPlace place;
   place.root = folder_of(input);
   if (is_xml) return import_citygml(std::move(bytes), path, earth, images, builder);
   if (is_glb) return import_gltf(std::move(bytes), path, place, images, builder);
   text = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-  if (is_tileset(text)) return import_tileset(text, path, earth, images, builder);
+  if (is_tileset(text)) return import_tileset(std::move(bytes), input, tiles, earth, images, builder);
   // glTF 1.0 may have no asset.
   const bool is_gltf = (has_top_level_key(text, "asset") || has_top_level_key(text, "meshes")) &&
                        !has_top_level_key(text, "CityObjects");
@@ -94,9 +119,19 @@ Status import_one(const std::filesystem::path& input, std::optional<EarthFrame>&
   return import_cityjson(text, path, images, builder);
 }
 
+// What was left out instead, for who expected something to show.
+std::string why_empty(std::span<const ImportCount> notes) {
+  constexpr std::size_t kNotesShown = 5;
+  if (notes.empty()) return ": it contains no surfaces; check that it is the file you meant";
+  std::string why;
+  for (std::size_t i = 0; i < std::min(notes.size(), kNotesShown); ++i)
+    why += (i == 0 ? "; " : ", ") + notes[i].what + ": " + std::to_string(notes[i].count);
+  return why;
+}
+
 }  // namespace
 
-Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs) {
+Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs, const ImportOptions& options) {
   if (inputs.empty()) return Error{ErrorCode::kArgument, "no input given"};
   SceneBuilder builder;
   std::optional<EarthFrame> earth;
@@ -105,7 +140,7 @@ Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs) {
   for (const std::filesystem::path& input : inputs) {
     const std::uint64_t crs_named = builder.crs_named();
     try {
-      if (Status status = import_one(input, earth, images, builder); !status.ok()) {
+      if (Status status = import_one(input, options, earth, images, builder); !status.ok()) {
         Error error = std::move(status).error();
         if (error.path.empty()) error.path = input.empty() ? "''" : input.string();
         return error;
@@ -120,7 +155,8 @@ Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs) {
     builder.note_files("inputs without a reference system, taken to be in that of the others", without_crs);
   images.report(builder);
   Scene scene = builder.finish(images.take());
-  if (scene.triangles.empty()) return Error{ErrorCode::kFormat, "has no triangles", inputs.front().string()};
+  if (scene.triangles.empty())
+    return Error{ErrorCode::kFormat, "has no triangles" + why_empty(scene.notes), inputs.front().string()};
   return scene;
 }
 

@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "baker/import/shared/scene_builder.h"
-#include "base/file.h"
 
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
@@ -65,14 +64,15 @@ std::optional<LoadedImage> TextureImages::add(std::span<const std::byte> encoded
   return LoadedImage{static_cast<std::uint32_t>(images_.size() - 1), images_.back().mean};
 }
 
-std::optional<LoadedImage> TextureImages::of_file(const Result<std::filesystem::path>& file, const std::string& name) {
+std::optional<LoadedImage> TextureImages::of_file(const Result<std::filesystem::path>& file, const std::string& name,
+                                                  const InputFiles& files) {
   const auto [slot, is_new] = known_.try_emplace(file.ok() ? file->string() : file.error().describe());
   if (!is_new) return slot->second;
   if (!file.ok()) {
     outside_.push_back(name);
     return std::nullopt;
   }
-  const auto bytes = read_file(*file, kMaxImageBytes);
+  const auto bytes = files.read(*file, kMaxImageBytes);
   if (!bytes.ok()) {
     missing_.push_back(name);
     return std::nullopt;

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "baker/import/shared/input_files.h"
 #include "baker/scene/texture_image.h"
 #include "base/result.h"
 
@@ -28,7 +29,8 @@ struct LoadedImage {
 class TextureImages {
  public:
   // `file` is where the image lies, or why it is not read (uri.h); `name` is how the model calls it.
-  std::optional<LoadedImage> of_file(const Result<std::filesystem::path>& file, const std::string& name);
+  std::optional<LoadedImage> of_file(const Result<std::filesystem::path>& file, const std::string& name,
+                                     const InputFiles& files = disk_files());
   // `key` separates images within models.
   std::optional<LoadedImage> of_bytes(const std::string& key, std::span<const std::byte> encoded);
   void report(SceneBuilder& builder) const;

@@ -241,14 +241,14 @@ TEST_F(Tiles, CompositesGiveTheirModelsAndNoteTheRest) {
   const std::string first = b3dm(R"({"RTC_CENTER":[1,0,0]})");
   const std::string inner = packed("cmpt", b3dm(R"({"RTC_CENTER":[2,0,0]})"), {1});
   const std::string points = packed("pnts", "", {0, 0, 0, 0});
-  const std::string body = first + packed("i3dm", "", {0, 0, 0, 0, 1}) + inner + points;
+  const std::string body = first + packed("vctr", "", {0, 0, 0, 0}) + inner + points;
   const std::string json = tileset(tile(content("a.cmpt")));
   write("a.cmpt", packed("cmpt", body, {4}));
   const Scene scene = shown(json);
   ASSERT_EQ(scene.positions.size(), 6U);
   EXPECT_EQ(scene.positions[0], glm::dvec3(1, 0, 0));
   EXPECT_EQ(scene.positions[3], glm::dvec3(2, 0, 0));
-  EXPECT_EQ(noted(scene, "i3dm"), 1U);
+  EXPECT_EQ(noted(scene, "vctr"), 1U);
   EXPECT_EQ(noted(scene, "pnts"), 1U);
   write("a.cmpt", packed("cmpt", body, {5}));
   expect_refused(json, "content 4 of 5", "a.cmpt");

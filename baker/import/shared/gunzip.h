@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bytes that were compressed with gzip or deflate (zlib reads them), up to a limit. Untrusted input. Thread-safe: no
+// state.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+
+namespace zc {
+
+// Whether these are the first bytes of a gzip file.
+[[nodiscard]] bool is_gzip(std::span<const std::byte> bytes);
+
+// All members of a gzip file one after the other. Memory is taken as bytes come. Fails when the file is damaged, ends
+// early or has more than limit_bytes in it. `path` is for errors.
+Result<std::vector<std::byte>> gunzip(std::span<const std::byte> bytes, const std::string& path,
+                                      std::uint64_t limit_bytes);
+
+// A deflate stream without a header, of which the caller knows how long it becomes.
+Result<std::vector<std::byte>> inflate_raw(std::span<const std::byte> bytes, const std::string& path,
+                                           std::uint64_t out_bytes);
+
+}  // namespace zc

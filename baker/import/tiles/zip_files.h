@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The files in a .3tz, or any ZIP of a tileset: stored, deflated or compressed with Zstandard. minizip reads the ZIP.
+// Owns the open archive. Untrusted input: sizes are checked against the archive and against what a file may unpack to.
+// Not thread-safe.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "baker/import/shared/input_files.h"
+
+namespace zc {
+
+// Whether these are the first bytes of a ZIP.
+[[nodiscard]] bool is_zip(std::span<const std::byte> head);
+
+// The archive is the folder of its files: in a.3tz the file tileset.json is a.3tz/tileset.json. Fails when it is
+// damaged or has no tileset.json.
+Result<std::unique_ptr<InputFiles>> open_zip_files(const std::filesystem::path& archive);
+
+}  // namespace zc
