@@ -54,7 +54,7 @@ LIBRARIES = {
     "spdlog/": ("replay",),
     "md5.h": ("streamer",),
     "curl/": ("streamer",),
-    "zip.h": ("replay", "tests"),
+    "zip.h": ("replay",),
     "unzip.h": ("baker",),
     "zlib.h": ("baker", "tests"),
     "zstd.h": ("baker", "tests"),

@@ -7,7 +7,10 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,6 +27,18 @@ constexpr uLong kStored = 0;
 constexpr uLong kDeflated = 8;
 constexpr uLong kZstandard = 93;
 constexpr uLong kFlagEncrypted = 1;
+constexpr std::size_t kLocalHeaderBytes = 30;  // before the name
+constexpr std::uint32_t kLocalHeaderMagic = 0x04034B50;
+constexpr std::size_t kEntryBytes = 46;  // of the directory, before the name
+constexpr std::uint32_t kIn64 = 0xFFFFFFFF;
+constexpr std::uint16_t kWideField = 1;
+
+template <class T>
+T number_at(std::span<const std::byte> bytes, std::size_t at) {
+  T value{};
+  std::memcpy(&value, bytes.data() + at, sizeof value);
+  return value;
+}
 
 class ZipFiles final : public InputFiles {
  public:
@@ -34,7 +49,8 @@ class ZipFiles final : public InputFiles {
 
   // Once, before everything else.
   Status open() {
-    ZC_ASSIGN(archive_bytes_, file_size_bytes(archive_));
+    ZC_ASSIGN(InputFile file, InputFile::open(archive_));
+    file_.emplace(std::move(file));
     zip_ = unzOpen64(archive_.c_str());
     if (zip_ == nullptr) return error(kTilesetName, "is a damaged ZIP archive: get it again");
     std::string name;
@@ -74,11 +90,11 @@ class ZipFiles final : public InputFiles {
       return error(name, "is encrypted: write the archive without a password", ErrorCode::kUnsupported);
     const std::uint64_t limit =
         info.compression_method == kStored ? limit_bytes : std::min(limit_bytes, kMaxUnpackedBytes);
-    if (info.compressed_size > archive_bytes_) return damaged(name);
+    if (info.compressed_size > file_->size_bytes()) return damaged(name);
     if (info.uncompressed_size > limit)
       return error(name, "unpacks to " + std::to_string(info.uncompressed_size) + " bytes, more than the " +
                              std::to_string(limit) + " allowed");
-    ZC_ASSIGN(std::vector<std::byte> bytes, stored_bytes(name, info.compressed_size));
+    ZC_ASSIGN(std::vector<std::byte> bytes, stored_bytes(name, position.pos_in_zip_directory, info.compressed_size));
     if (info.compression_method != kStored) {
       ZC_ASSIGN(bytes, unpacked(bytes, info, name));
     }
@@ -94,23 +110,35 @@ class ZipFiles final : public InputFiles {
     return error(name, "is damaged in the archive: get the archive again");
   }
 
-  // As they lie in the archive.
-  [[nodiscard]] Result<std::vector<std::byte>> stored_bytes(const std::string& name, std::uint64_t count) const {
-    int method = 0;
-    int level = 0;
-    constexpr int kRaw = 1;
-    if (unzOpenCurrentFile2(zip_, &method, &level, kRaw) != UNZ_OK) return damaged(name);
+  // As they lie in the archive: minizip itself opens no file of a method that it does not know.
+  [[nodiscard]] Result<std::vector<std::byte>> stored_bytes(const std::string& name, std::uint64_t entry_at,
+                                                            std::uint64_t count) const {
+    ZC_ASSIGN(const std::uint64_t header_at, local_header(name, entry_at));
+    std::array<std::byte, kLocalHeaderBytes> header{};
+    if (!file_->read(header_at, header).ok() || number_at<std::uint32_t>(header, 0) != kLocalHeaderMagic)
+      return damaged(name);
     std::vector<std::byte> bytes(count);
-    std::uint64_t have = 0;
-    while (have < count) {
-      const auto step = static_cast<unsigned>(std::min<std::uint64_t>(count - have, 1U << 30U));
-      const int got = unzReadCurrentFile(zip_, bytes.data() + have, step);
-      if (got <= 0) break;
-      have += static_cast<std::uint64_t>(got);
-    }
-    unzCloseCurrentFile(zip_);
-    if (have < count) return damaged(name);
+    const std::uint64_t data_at =
+        header_at + kLocalHeaderBytes + number_at<std::uint16_t>(header, 26) + number_at<std::uint16_t>(header, 28);
+    if (!file_->read(data_at, bytes).ok()) return damaged(name);
     return bytes;
+  }
+
+  // Where it is, from the entry of the archive's directory, in which numbers beyond 32 bits stand in a field behind.
+  [[nodiscard]] Result<std::uint64_t> local_header(const std::string& name, std::uint64_t entry_at) const {
+    std::array<std::byte, kEntryBytes> entry{};
+    if (!file_->read(entry_at, entry).ok()) return damaged(name);
+    const auto offset = number_at<std::uint32_t>(entry, 42);
+    if (offset != kIn64) return offset;
+    std::vector<std::byte> fields(number_at<std::uint16_t>(entry, 30));
+    if (!file_->read(entry_at + kEntryBytes + number_at<std::uint16_t>(entry, 28), fields).ok()) return damaged(name);
+    std::size_t skipped = 4;
+    for (const std::size_t size_at : {20, 24})
+      if (number_at<std::uint32_t>(entry, size_at) == kIn64) skipped += 8;
+    for (std::size_t at = 0; at + 4 <= fields.size(); at += 4 + std::size_t{number_at<std::uint16_t>(fields, at + 2)})
+      if (number_at<std::uint16_t>(fields, at) == kWideField && at + skipped + 8 <= fields.size())
+        return number_at<std::uint64_t>(fields, at + skipped);
+    return damaged(name);
   }
 
   [[nodiscard]] Result<std::vector<std::byte>> unpacked(std::span<const std::byte> bytes, const unz_file_info64& info,
@@ -133,7 +161,7 @@ class ZipFiles final : public InputFiles {
   }
 
   std::filesystem::path archive_;
-  std::uint64_t archive_bytes_ = 0;
+  std::optional<InputFile> file_;
   unzFile zip_ = nullptr;
   std::map<std::string, unz64_file_pos> entries_;
 };

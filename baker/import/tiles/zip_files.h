@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The files in a .3tz, or any ZIP of a tileset: stored, deflated or compressed with Zstandard. minizip reads the ZIP.
+// The files in a .3tz, or any ZIP of a tileset: stored, deflated or compressed with Zstandard. minizip reads the directory of the ZIP.
 // Owns the open archive. Untrusted input: sizes are checked against the archive and against what a file may unpack to.
 // Not thread-safe.
 #pragma once
