@@ -22,7 +22,7 @@ Result<FeatureTable> FeatureTable::read(Bytes table, Bytes binary, const std::st
   std::string_view text(reinterpret_cast<const char*>(table.data()), table.size());
   text.remove_suffix(text.size() - (text.find_last_not_of(std::string_view(" \t\r\n\0", 5)) + 1));
   if (text.empty()) return FeatureTable(json::object(), binary, path, at);
-  ZC_ASSIGN(json values, parse_json(text, path, static_cast<std::int64_t>(at)));
+  ZC_ASSIGN(json values, parse_small_json(text, path, static_cast<std::int64_t>(at)));
   return FeatureTable(std::move(values), binary, path, at);
 }
 

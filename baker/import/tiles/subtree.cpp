@@ -42,7 +42,7 @@ class SubtreeReader {
       binary_ = bytes.subspan(kHeaderBytes + json_bytes, binary_bytes);
       at_ = kHeaderBytes;
     }
-    ZC_ASSIGN(document_, parse_json(text, path_.string(), at_));
+    ZC_ASSIGN(document_, parse_small_json(text, path_.string(), at_));
     if (!document_.is_object()) return error("is no subtree: expected a JSON object or the letters subt");
     const std::uint64_t last_level = power(tiling.branching, tiling.subtree_levels);
     const std::uint64_t tiles = (last_level - 1) / (tiling.branching - 1);

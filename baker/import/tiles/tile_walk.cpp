@@ -10,7 +10,7 @@
 namespace zc {
 namespace {
 
-constexpr std::uint64_t kMaxTilesetBytes = std::uint64_t{1} << 32U;
+constexpr std::uint64_t kMaxTilesetBytes = std::uint64_t{1} << 30U;
 constexpr std::uint64_t kMaxSubtreeBytes = std::uint64_t{1} << 26U;
 constexpr std::size_t kMaxNesting = 32;
 // Of an input as a whole, each as often as it is placed: a few tilesets that name each other twice make 2^32 tiles, and

@@ -36,7 +36,7 @@ class TilesetReader {
   explicit TilesetReader(const std::filesystem::path& path) { set_.path = path; }
 
   Result<TilesetFile> run(std::string_view text) {
-    ZC_ASSIGN(const json document, parse_json(text, set_.path.string()));
+    ZC_ASSIGN(const json document, parse_small_json(text, set_.path.string()));
     ZC_TRY(read_header(document));
     const json* root = find_member(document, "root");
     if (root == nullptr) return error("tileset has no root: it is damaged or no tileset, get it again");

@@ -154,6 +154,14 @@ TEST_F(TileFilesTest, GzippedFilesAreUnpacked) {
   expect_refused(json, "more than the 268435456 bytes", "a.glb");
 }
 
+TEST_F(TileFilesTest, TilesetsThatTakeFarMoreMemoryThanTheirTextAreRefused) {
+  std::string lists = R"({"asset":{"version":"1.1"},"geometricError":1,"root":{},"extras":[0)";
+  for (int i = 0; i < (1 << 23); ++i) lists += ",[]";
+  const auto scene = import(write("tileset.json.gz", gzipped(lists + "]}")));
+  ASSERT_FALSE(scene.ok());
+  EXPECT_NE(scene.error().message.find("more than the 512 allowed"), std::string::npos) << scene.error().describe();
+}
+
 TEST_F(TileFilesTest, ATilesContentIsAnInputByItself) {
   write("m.glb", model());
   std::string position;
