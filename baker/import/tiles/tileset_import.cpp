@@ -92,6 +92,9 @@ Status import_web_tiles(const std::string& url, bool skip_missing, std::optional
   if (is_gzip(bytes)) {
     ZC_ASSIGN(bytes, gunzip(bytes, web.path.string(), kMaxUnpackedBytes));
   }
+  if (is_zip(bytes))
+    return Error{ErrorCode::kUnsupported, "is an archive, expected a tileset.json; download it and bake the file",
+                 web.path.string()};
   return import_tileset(std::move(bytes), web.path, {web.files.get(), skip_missing}, earth, images, builder);
 }
 

@@ -116,6 +116,14 @@ TEST_F(TileFilesTest, DamagedArchivesAreRefused) {
   std::string flipped = good;
   flipped[good.find("b.glb") + 20] ^= 4;
   EXPECT_FALSE(import(write("a.3tz", flipped)).ok());
+  Zip stored;
+  stored.add("tileset.json", 0, json);
+  stored.add("b.glb", 0, model("", "part"));
+  flipped = stored.bytes();
+  flipped[flipped.find(R"("part")") + 2] ^= 1;  // still a name
+  const auto renamed = import(write("a.3tz", flipped));
+  ASSERT_FALSE(renamed.ok());
+  EXPECT_NE(renamed.error().message.find("damaged in the archive"), std::string::npos) << renamed.error().describe();
   Zip other;
   other.add("b.glb", 0, model());
   const auto none = import(write("a.zip", other.bytes()));
