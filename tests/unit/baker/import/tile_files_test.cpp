@@ -157,7 +157,8 @@ TEST_F(TileFilesTest, GzippedFilesAreUnpacked) {
   write("a.glb", damaged);
   expect_refused(json, "damaged", "a.glb");
   std::string bomb;
-  for (int i = 0; i < 300; ++i) bomb += gzipped(std::string(1U << 20U, ' '));
+  const std::string member = gzipped(std::string(1U << 20U, ' '));
+  for (int i = 0; i < 300; ++i) bomb += member;
   write("a.glb", bomb);
   expect_refused(json, "more than the 268435456 bytes", "a.glb");
 }
