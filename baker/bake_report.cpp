@@ -36,8 +36,12 @@ Json to_json(std::span<const ImportCount> notes) {
   return list;
 }
 
-Json to_json(std::span<const LeftOut> left_out) {
+// `notes`: of the import; what it missed was left out too.
+Json to_json(std::span<const LeftOut> left_out, std::span<const ImportCount> notes) {
   Json list = Json::array();
+  for (const ImportCount& note : notes)
+    if (note.is_missing)
+      list.push_back({{"what", note.what}, {"count", note.count}, {"page_bytes", 0}, {"names", note.names}});
   for (const LeftOut& left : left_out) {
     list.push_back({{"what", left.what}, {"count", left.count}, {"page_bytes", left.page_bytes}});
     if (left.disk_bytes > 0) list.back()["disk_bytes"] = left.disk_bytes;
@@ -77,7 +81,7 @@ std::string bake_json(const BakeReport& report) {
   json["repair"] = {{"counts", to_json(report.repair.counts)},
                     {"open_edges", report.repair.open_edges},
                     {"border_error_m", report.repair.border_error_m}};
-  json["left_out"] = to_json(report.left_out);
+  json["left_out"] = to_json(report.left_out, report.notes);
   json["notes"] = to_json(report.notes);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

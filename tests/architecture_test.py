@@ -3,7 +3,7 @@
 
 CMakeLists.txt declares a library a folder and whom it may include (MODULES). Here: includes are just those, nothing is
 declared for nothing, there is no cycle, and the large modules keep apart. base and shaders/shared need nothing; streamer
-and runtime meet at the interface streamer/page_sink.h alone; baker sees the world format alone; replay composes. CGAL and
+and runtime meet at the interface streamer/page_sink.h alone; baker sees the world format and the sources alone; replay composes. CGAL and
 OpenMesh, and with them the GPL, stay in baker/ and its tests.
 """
 
@@ -28,7 +28,7 @@ LAYERS = {
     "base": (),
     "streamer": ("base", "streamer"),
     "runtime": ("base", "runtime"),
-    "baker": ("base", "streamer/world_format", "streamer/draco", "baker"),
+    "baker": ("base", "streamer/world_format", "streamer/draco", "streamer/source", "baker"),
     "replay": ("base", "streamer", "runtime", "replay"),
 }
 # The binary's commands, the only ones outside baker/ and its tests that may include the baker.
@@ -57,6 +57,7 @@ LIBRARIES = {
     "zip.h": ("replay",),
     "unzip.h": ("baker",),
     "zlib.h": ("baker", "tests"),
+    "zstd.h": ("baker", "tests"),
     "httplib.h": ("replay",),
     "spng.h": ("baker", "replay", "tests"),
     "turbojpeg.h": ("baker", "tests"),

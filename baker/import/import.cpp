@@ -24,8 +24,11 @@
 #include "baker/import/shared/scene_builder.h"
 #include "baker/import/shared/texture_images.h"
 #include "baker/import/shared/uri.h"
+#include "baker/import/tiles/tile_content.h"
+#include "baker/import/tiles/tileset_file.h"
 #include "baker/import/tiles/tileset_import.h"
 #include "base/file.h"
+#include "streamer/source/source.h"
 
 namespace zc {
 namespace {
@@ -80,8 +83,14 @@ struct Source {
 
 class Importer {
  public:
+  explicit Importer(const ImportOptions& options) : options_(options) {}
+
   // What the caller named.
   Status add(const std::filesystem::path& input) {
+    if (is_url(input.native()))
+      return account(input.string(), [&] {
+        return import_web_tiles(input.native(), options_.skip_missing, earth_, images_, builder_);
+      });
     std::error_code failure;
     if (std::filesystem::is_directory(input, failure)) return add_folder(input);
     const bool is_standard_input = input == "-";
@@ -113,11 +122,16 @@ class Importer {
 
   Status add_archive(const std::filesystem::path& archive) {
     ZC_ASSIGN(const std::unique_ptr<ZipArchive> zip, ZipArchive::open(archive));
-    for (const std::string& name : zip->names())
+    for (const std::string& name : zip->names()) {
+      if (name == "tileset.json")
+        return account(archive.string(),
+                       [&] { return import_tiles_archive(archive, options_.skip_missing, earth_, images_, builder_); });
       if (std::filesystem::path(name).filename() == "tileset.json")
         return Error{ErrorCode::kUnsupported,
-                     "is an archive of a 3D Tiles tileset, expected its files; unpack it and bake its tileset.json",
+                     "is an archive of a 3D Tiles tileset, expected a tileset.json at its top; unpack it and bake its "
+                     "tileset.json",
                      (archive / name).string()};
+    }
     bool is_empty = true;
     for (const std::string& name : zip->names()) {
       if (!has_model_name(name)) continue;
@@ -171,8 +185,11 @@ class Importer {
       if (MemoryStream stream(bytes); is_sequence(stream, source.path)) return import_sequence(stream, source);
     if (!source.named && !is_city_model(format, text)) return leave_out(source);
     if (bytes.empty()) return Error{ErrorCode::kFormat, std::string("is empty, expected ") + kReadFormats, path};
+    const TilesetSource tiles{&source.files, options_.skip_missing};
+    if (is_tile_content(text)) return import_tileset(std::move(bytes), source.path, tiles, earth_, images_, builder_);
     GltfPlace place;
     place.root = folder_of(source.path);
+    place.files = &source.files;
     switch (format) {
       case InputFormat::kUnknown:
         break;
@@ -181,7 +198,7 @@ class Importer {
       case InputFormat::kGlb:
         return import_gltf(std::move(bytes), path, place, images_, builder_);
       case InputFormat::kJson:
-        if (is_tileset(text)) return import_tileset(text, path, earth_, images_, builder_);
+        if (is_tileset(text)) return import_tileset(std::move(bytes), source.path, tiles, earth_, images_, builder_);
         if (is_gltf(text)) return import_gltf(std::move(bytes), path, place, images_, builder_);
         return import_cityjson(text, path, source.files, images_, builder_);
     }
@@ -214,6 +231,7 @@ class Importer {
     return {};
   }
 
+  const ImportOptions options_;
   std::optional<EarthFrame> earth_;
   TextureImages images_;
   SceneBuilder builder_;
@@ -223,9 +241,9 @@ class Importer {
 
 }  // namespace
 
-Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs) {
+Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs, const ImportOptions& options) {
   if (inputs.empty()) return Error{ErrorCode::kArgument, "no input given"};
-  Importer importer;
+  Importer importer(options);
   for (const std::filesystem::path& input : inputs)
     if (Status status = importer.add(input); !status.ok()) {
       Error error = std::move(status).error();

@@ -15,9 +15,14 @@
 
 namespace zc {
 
+struct ImportOptions {
+  bool skip_missing = false;  // tiles that are not there are counted instead of an error
+};
+
 // Reads every input (told apart by content, not by extension) and merges them into one scene, in order. Folders and
 // archives give their models in the order of their paths; what in them is no city model is noted. A pipe, or "-"
 // for standard input, gives CityJSONSeq, which is not kept in memory; its images lie in the current folder.
-Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs);
+// A web address gives 3D Tiles.
+Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs, const ImportOptions& options = {});
 
 }  // namespace zc

@@ -7,7 +7,7 @@
 
 #include "baker/import/citygml/citygml_import.h"
 #include "baker/import/shared/json_text.h"
-#include "baker/import/tiles/tileset_import.h"
+#include "baker/import/tiles/tileset_file.h"
 #include "base/text.h"
 
 namespace zc {

@@ -14,7 +14,8 @@
 namespace zc {
 
 inline constexpr const char* kReadFormats =
-    "glTF, GLB, CityJSON, CityJSONSeq, CityGML or a 3D Tiles tileset, or one of them as .gz or .zip";
+    "glTF, GLB, CityJSON, CityJSONSeq, CityGML or 3D Tiles (tileset.json, .3tz, b3dm, i3dm, cmpt), or one of them as "
+    ".gz or .zip";
 
 enum class InputFormat { kUnknown, kGlb, kXml, kJson };
 // By the first bytes, of which there is one at least.

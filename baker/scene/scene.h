@@ -52,6 +52,7 @@ struct ImportCount {
   std::string what;
   std::uint64_t count = 0;
   std::vector<std::string> names = {};  // of the files that it befell, or the place where it did first, if known
+  bool is_missing = false;              // parts of the input that are not there: the city is not whole
 };
 
 // v downwards, as in glTF.

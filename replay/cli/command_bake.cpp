@@ -31,6 +31,7 @@ struct Arguments {
   std::string out;
   JsonOption json;
   std::optional<std::string> sun;
+  ImportOptions import;
   BakeOptions options;
 };
 
@@ -75,7 +76,7 @@ Status run(const Arguments& arguments) {
   progress.update(0, "import");
   const auto started = std::chrono::steady_clock::now();
   const std::vector<std::filesystem::path> inputs(arguments.inputs.begin(), arguments.inputs.end());
-  ZC_ASSIGN(Scene scene, import_inputs(inputs));
+  ZC_ASSIGN(Scene scene, import_inputs(inputs, arguments.import));
   const std::chrono::duration<double> import_s = std::chrono::steady_clock::now() - started;
   Result<BakeReport> baked = bake_world(std::move(scene), import_s.count(), options, std::move(writer));
   if (!baked) {
@@ -106,8 +107,8 @@ void add_bake(CLI::App& app, const SetCommand& set) {
   CLI::App* command = app.add_subcommand("bake", "Bake city models into a world of zones");
   command
       ->add_option("inputs", arguments->inputs,
-                   "glTF, GLB, CityJSON, CityJSONSeq, CityGML, 3D Tiles (tileset.json), each also as .gz or .zip; "
-                   "folders of them; -: CityJSONSeq from standard input")
+                   "glTF, GLB, CityJSON, CityJSONSeq, CityGML, 3D Tiles (tileset.json, .3tz, b3dm, i3dm, cmpt, "
+                   "http://...), each also as .gz or .zip; folders of them; -: CityJSONSeq from standard input")
       ->required();
   add_json_option(*command, arguments->json, command->get_option("inputs"));
   command->add_option("-o,--output", arguments->out, "World folder to write; an old world there is replaced")
@@ -136,6 +137,8 @@ void add_bake(CLI::App& app, const SetCommand& set) {
   command->add_flag("--exterior", arguments->options.exterior,
                     "Leave out faces that cannot be seen from outside: rooms without an opening, what is in them, and "
                     "walls between buildings that touch");
+  command->add_flag("--skip-missing", arguments->import.skip_missing,
+                    "Bake a tileset without the tiles that are not there: they are counted and the first ones named");
   command->add_option("--threads", arguments->options.threads, "Threads (0: all cores)")
       ->capture_default_str()
       ->check(CLI::Range(0U, 256U));

@@ -5,6 +5,7 @@ import json
 import struct
 
 import support
+from web_server import WebServer
 
 FAILURE = 1
 
@@ -41,6 +42,49 @@ class Tilesets(support.Case):
             with self.subTest(uri=uri):
                 self.assert_refused(["bake", self.world / "bad.json", "-o", self.folder / "new"], FAILURE, self.world,
                                     word)
+
+    def test_an_archive_and_a_web_server_give_the_world_that_the_folder_gives(self):
+        self.zonecast("pack", self.world, "-o", self.folder / "world.3tz")
+        self.bake(self.folder / "world.3tz", "from_archive")
+        self.assert_same_world(self.folder / "from_archive")
+        server = WebServer(self.world)
+        self.addCleanup(server.stop)
+        failed = set()
+
+        def once(path):
+            if path in failed:
+                return None
+            failed.add(path)
+            return 503 if path.endswith("tileset.json") else None
+
+        server.fault = once
+        self.bake(server.url("tileset.json?key=1"), "from_web")
+        self.assert_same_world(self.folder / "from_web")
+        asked = [path for _, path, _ in server.requests]
+        self.assertEqual(asked.count("/tileset.json"), 2)  # again after the fault
+        self.assertEqual(len(asked), len(set(asked)) + 1)
+
+    def test_tiles_that_are_not_there_are_skipped_when_told_to(self):
+        server = WebServer(self.world)
+        self.addCleanup(server.stop)
+        gone = next(iter(sorted((self.world / "zones").rglob("*.detail.*glb")))).relative_to(self.world).as_posix()
+        server.fault = lambda path: 404 if path == f"/{gone}" else None
+        url = server.url("tileset.json")
+        self.assert_refused(["bake", url, "-o", self.folder / "new"], FAILURE, "--skip-missing", gone)
+        self.bake(url, "skipped", "--skip-missing")
+        report = json.loads((self.folder / "skipped" / "bake.json").read_text())
+        missing = [row for row in report["left_out"] if "not there" in row["what"]]
+        self.assertEqual([(row["count"], row["names"]) for row in missing], [(1, [server.url(gone)])])
+
+    def bake(self, source, name, *more):
+        return self.zonecast("bake", source, "--leaf-triangles", "64", "-o", self.folder / name, *more)
+
+    def assert_same_world(self, world):
+        files = {path.relative_to(world) for path in world.rglob("*") if path.is_file()}
+        for file in sorted(files):
+            if file.name not in ("bake.json", "bake.cache"):
+                self.assertEqual((world / file).read_bytes(), (self.again / file).read_bytes(), file)
+        self.assertGreater(len(files), 4)
 
 
 def inspect(case, world):

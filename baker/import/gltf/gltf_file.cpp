@@ -13,7 +13,6 @@
 
 #include "baker/import/shared/json_text.h"
 #include "baker/import/shared/uri.h"
-#include "base/file.h"
 
 namespace zc {
 namespace {
@@ -170,7 +169,7 @@ Status check_required(const json& document, const std::string& path) {
 }
 
 Status load_buffers(const json& document, std::span<const std::byte> bin, bool is_glb,
-                    const std::filesystem::path& root, GltfFile& file) {
+                    const std::filesystem::path& root, const InputFiles& files, GltfFile& file) {
   ZC_ASSIGN(const json buffers, object_array(document, "buffers", file.path));
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     const std::string where = "buffer " + std::to_string(i);
@@ -191,7 +190,7 @@ Status load_buffers(const json& document, std::span<const std::byte> bin, bool i
         if (!decode_data_uri(text, loaded)) return file.error(where + " has a damaged data URI");
       } else {
         ZC_ASSIGN(const std::filesystem::path beside, file_of_uri(text, file.path, root));
-        ZC_ASSIGN(loaded, read_file(beside, kMaxBufferBytes));
+        ZC_ASSIGN(loaded, files.read(beside, kMaxBufferBytes));
       }
       if (loaded.size() < length)
         return file.error(where + " declares " + std::to_string(length) + " bytes, " + std::to_string(loaded.size()) +
@@ -344,7 +343,8 @@ Result<std::span<const std::byte>> GltfFile::view(int buffer_view) const {
   return buffers[index].subspan(entry.byteOffset, entry.byteLength);
 }
 
-Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path, const std::filesystem::path& root) {
+Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path, const std::filesystem::path& root,
+                           const InputFiles& files) {
   GltfFile file;
   file.path = path;
   file.owned.push_back(std::move(bytes));
@@ -362,7 +362,7 @@ Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path
     ZC_TRY(check_version(document, path));
     ZC_TRY(check_required(document, path));
     ZC_TRY(check_types(document, file));
-    ZC_TRY(load_buffers(document, chunks.bin, is_glb, root, file));
+    ZC_TRY(load_buffers(document, chunks.bin, is_glb, root, files, file));
     ZC_TRY(check_views(document, file));
     ZC_TRY(decode_meshopt_views(document, file));
     ZC_TRY(read_images(document, file));

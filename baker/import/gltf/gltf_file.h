@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "baker/import/shared/input_files.h"
 #include "base/result.h"
 
 namespace zc {
@@ -46,7 +47,8 @@ struct GltfFile {
 
 // `bytes` is the model in the file at `path`, GLB or JSON; external buffers lie within `root`. Fails on lengths that
 // disagree with the file and on required extensions that are not handled, named.
-Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path, const std::filesystem::path& root);
+Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path, const std::filesystem::path& root,
+                           const InputFiles& files);
 
 // `document` is the file's JSON, checked as far as its buffer views. Fills in decoded_views.
 Status decode_meshopt_views(const nlohmann::json& document, GltfFile& file);

@@ -350,7 +350,8 @@ class GltfImport {
     const GltfImage& image = file_.images[static_cast<std::size_t>(source)];
     const std::string key =
         file_.path + " byte " + std::to_string(place_.byte_offset) + " image " + std::to_string(source);
-    if (!image.uri.empty()) return images_.of_file(file_of_uri(image.uri, file_.path, place_.root), image.uri);
+    if (!image.uri.empty())
+      return images_.of_file(file_of_uri(image.uri, file_.path, place_.root), image.uri, *place_.files);
     if (image.buffer_view < 0) return images_.of_bytes(key, image.embedded);
     const auto bytes = file_.view(image.buffer_view);
     return images_.of_bytes(key, bytes.ok() ? *bytes : std::span<const std::byte>{});
@@ -367,7 +368,7 @@ class GltfImport {
 
 Status import_gltf(std::vector<std::byte> bytes, const std::string& path, const GltfPlace& place, TextureImages& images,
                    SceneBuilder& builder) {
-  Result<GltfFile> file = read_gltf(std::move(bytes), path, place.root);
+  Result<GltfFile> file = read_gltf(std::move(bytes), path, place.root, *place.files);
   if (!file) {
     Error error = std::move(file).error();
     if (error.path == path && error.byte_offset >= 0) error.byte_offset += place.byte_offset;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "baker/import/shared/input_files.h"
 #include "baker/import/shared/scene_builder.h"
 #include "baker/import/shared/texture_images.h"
 #include "base/result.h"
@@ -20,10 +21,11 @@ enum class UpAxis : std::uint8_t { kX, kY, kZ };
 
 // Where a model stands and lies.
 struct GltfPlace {
-  glm::dmat4 to_world{1};        // once z is up
-  UpAxis up = UpAxis::kY;        // of the model
-  std::filesystem::path root;    // its buffers and images may not lie outside
-  std::int64_t byte_offset = 0;  // of the model in its file
+  glm::dmat4 to_world{1};                   // once z is up
+  UpAxis up = UpAxis::kY;                   // of the model
+  std::filesystem::path root;               // its buffers and images may not lie outside
+  const InputFiles* files = &disk_files();  // that these are read from
+  std::int64_t byte_offset = 0;             // of the model in its file
 };
 
 Status import_gltf(std::vector<std::byte> bytes, const std::string& path, const GltfPlace& place, TextureImages& images,

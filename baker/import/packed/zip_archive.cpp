@@ -29,11 +29,6 @@ std::string entry_name(std::string name) {
 
 }  // namespace
 
-bool is_zip(std::span<const std::byte> bytes) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  return text.starts_with("PK\x03\x04") || text.starts_with("PK\x05\x06");
-}
-
 Result<std::unique_ptr<ZipArchive>> ZipArchive::open(const std::filesystem::path& archive) {
   ZC_ASSIGN(const std::uint64_t bytes, file_size_bytes(archive));
   const unzFile handle = unzOpen64(archive.c_str());

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -16,9 +15,6 @@
 #include "base/result.h"
 
 namespace zc {
-
-// Whether these are the first bytes of one.
-[[nodiscard]] bool is_zip(std::span<const std::byte> bytes);
 
 class ZipArchive final : public InputFiles {
  public:

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <string_view>
 
 namespace zc {
 namespace {
@@ -64,6 +65,11 @@ class Inflater {
 
 bool is_gzip(std::span<const std::byte> bytes) {
   return bytes.size() >= 2 && bytes[0] == std::byte{0x1F} && bytes[1] == std::byte{0x8B};
+}
+
+bool is_zip(std::span<const std::byte> bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return text.starts_with("PK\x03\x04") || text.starts_with("PK\x05\x06");
 }
 
 Result<std::vector<std::byte>> gunzip(std::span<const std::byte> bytes, const std::string& path,

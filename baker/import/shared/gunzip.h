@@ -15,6 +15,8 @@ namespace zc {
 
 // Whether these are the first bytes of a gzip file.
 [[nodiscard]] bool is_gzip(std::span<const std::byte> bytes);
+// The same of a ZIP archive, whose members are inflated one by one.
+[[nodiscard]] bool is_zip(std::span<const std::byte> bytes);
 
 // All members of a gzip file one after the other. Memory is taken as bytes come. Fails when the file is damaged, ends
 // early or has more than limit_bytes in it. `path` is for errors.

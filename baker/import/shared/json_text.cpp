@@ -68,6 +68,26 @@ Result<nlohmann::json> parse_json(std::string_view text, const std::string& path
   }
 }
 
+Result<nlohmann::json> parse_small_json(std::string_view text, const std::string& path, std::int64_t base_offset) {
+  // What arrays and objects, members and elements take in nlohmann::json, by 64-bit addresses. Marks within strings
+  // count too, which the text itself bounds.
+  constexpr std::uint64_t kContainerBytes = 80;
+  constexpr std::uint64_t kMemberBytes = 96;
+  constexpr std::uint64_t kElementBytes = 24;
+  std::uint64_t bytes = 0;
+  for (const char c : text) {
+    if (c == '[' || c == '{') bytes += kContainerBytes;
+    if (c == ':') bytes += kMemberBytes;
+    if (c == ',') bytes += kElementBytes;
+  }
+  if (bytes > kMaxSmallJsonBytes)
+    return Error{ErrorCode::kUnsupported,
+                 "its JSON takes about " + std::to_string(bytes >> 20U) + " MiB of memory, more than the " +
+                     std::to_string(kMaxSmallJsonBytes >> 20U) + " allowed; divide it into several files",
+                 path};
+  return parse_json(text, path, base_offset);
+}
+
 bool has_top_level_key(std::string_view text, std::string_view key) {
   int depth = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {

@@ -17,6 +17,11 @@ namespace zc {
 // `base_offset` is the place of `text` in the file at `path`. Fails on malformed or too deeply nested text.
 Result<nlohmann::json> parse_json(std::string_view text, const std::string& path, std::int64_t base_offset = 0);
 
+// The same for text whose values may take so much memory and no more, by an estimate that is made before: a value is
+// many times as large as its text. Fails beyond.
+inline constexpr std::uint64_t kMaxSmallJsonBytes = std::uint64_t{1} << 29U;
+Result<nlohmann::json> parse_small_json(std::string_view text, const std::string& path, std::int64_t base_offset = 0);
+
 // Whether the outermost object of `text` has this member, without parsing the whole; malformed text gives any answer.
 bool has_top_level_key(std::string_view text, std::string_view key);
 

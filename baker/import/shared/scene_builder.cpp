@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <limits>
 #include <unordered_map>
 
@@ -89,6 +90,35 @@ std::uint16_t SceneBuilder::material(const Material& material) {
 }
 
 Status SceneBuilder::add(const ObjectMesh& mesh) {
+  if (instances_.empty()) return add_once(mesh);
+  const std::uint64_t triangles = std::max<std::uint64_t>(mesh.triangles.size(), 1);
+  if (instances_.size() > (kMaxInstancedTriangles - instanced_triangles_) / triangles)
+    return Error{ErrorCode::kUnsupported,
+                 "object '" + printable(mesh.id, 80) + "' of " + std::to_string(mesh.triangles.size()) +
+                     " triangles stands at " + std::to_string(instances_.size()) +
+                     " places: all instances of a bake may have " + std::to_string(kMaxInstancedTriangles) +
+                     " triangles; bake fewer tiles at once or leave out the instanced ones"};
+  instanced_triangles_ += triangles * instances_.size();
+  ObjectMesh instance = mesh;
+  for (std::size_t i = 0; i < instances_.size(); ++i) {
+    const glm::dmat4& place = instances_[i];
+    instance.id = mesh.id + "_" + std::to_string(i);
+    for (std::size_t p = 0; p < mesh.positions.size(); ++p)
+      instance.positions[p] = glm::dvec3(place * glm::dvec4(mesh.positions[p], 1));
+    const bool mirrored = glm::determinant(glm::dmat3(place)) < 0;
+    for (std::size_t t = 0; mirrored && t < mesh.triangles.size(); ++t)
+      instance.triangles[t] = {mesh.triangles[t][0], mesh.triangles[t][2], mesh.triangles[t][1]};
+    if (!mirrored) instance.triangles = mesh.triangles;
+    for (std::size_t t = 0; t < mesh.texcoords.size(); ++t) {
+      const auto& [a, b, c] = mesh.texcoords[t].uv;
+      instance.texcoords[t].uv = mirrored ? std::array{a, c, b} : std::array{a, b, c};
+    }
+    ZC_TRY(add_once(instance));
+  }
+  return {};
+}
+
+Status SceneBuilder::add_once(const ObjectMesh& mesh) {
   ZC_CHECK(mesh.triangles.size() == mesh.materials.size());
   enter_object(mesh.id);
   const std::size_t first = scene_.triangles.size();
@@ -153,6 +183,10 @@ void SceneBuilder::note(const std::string& what, std::uint64_t count) {
 
 void SceneBuilder::note_files(const std::string& what, const std::vector<std::string>& names) {
   if (!names.empty()) scene_.notes.push_back({what, names.size(), names});
+}
+
+void SceneBuilder::note_missing(const std::string& what, std::uint64_t count, std::vector<std::string> first_names) {
+  if (count > 0) scene_.notes.push_back({what, count, std::move(first_names), true});
 }
 
 Status SceneBuilder::set_crs(const std::string& crs, const std::string& path) {

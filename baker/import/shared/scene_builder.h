@@ -6,9 +6,11 @@
 
 #include <array>
 #include <cstdint>
+#include <glm/mat4x4.hpp>
 #include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "baker/scene/scene.h"
@@ -31,6 +33,9 @@ inline constexpr double kGroundExtentM = 128;
 inline constexpr double kMaxCoordinateM = 1.8e18;
 // Beyond this a texture coordinate, a float, separates not even whole repeats of the image.
 inline constexpr float kMaxTexcoord = 1U << 24U;
+// That instances may show together, each of their objects counted as one at least: a small file can place a model a
+// million times.
+inline constexpr std::uint64_t kMaxInstancedTriangles = 1U << 22U;
 
 class SceneBuilder {
  public:
@@ -39,12 +44,17 @@ class SceneBuilder {
   std::uint16_t material(const Material& material);
   // Indices in `mesh` must be in range. An object without a usable triangle is left out.
   Status add(const ObjectMesh& mesh);
+  // Every object that is added next appears once at each of these places, its positions transformed; none: as it is.
+  // All places of all objects together may show so many triangles; add() fails beyond.
+  void set_instances(std::vector<glm::dmat4> places) { instances_ = std::move(places); }
   // What is noted next lies in this file, outside any object.
   void enter_file(const std::string& path) { place_ = {path, {}}; }
   void enter_object(const std::string& id) { place_.object = id; }
   void note(const std::string& what, std::uint64_t count = 1);
   // One for each of the files that are named.
   void note_files(const std::string& what, const std::vector<std::string>& names);
+  // Parts of the input that are not there, so that it is not whole; the first few by name.
+  void note_missing(const std::string& what, std::uint64_t count, std::vector<std::string> first_names);
   // Keeps the first system named; fails when `crs` names another one. An empty name has no effect.
   Status set_crs(const std::string& crs, const std::string& path);
   [[nodiscard]] std::uint64_t crs_named() const { return crs_named_; }  // how often set_crs() was told one
@@ -60,8 +70,12 @@ class SceneBuilder {
     std::string file;
     std::string object;
   };
+  Status add_once(const ObjectMesh& mesh);
+
   Scene scene_;
   Place place_;
+  std::vector<glm::dmat4> instances_;
+  std::uint64_t instanced_triangles_ = 0;
   std::uint64_t crs_named_ = 0;
   std::map<MaterialKey, std::uint16_t> materials_;
   std::map<std::string, std::size_t> notes_;

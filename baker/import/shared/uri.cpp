@@ -41,6 +41,13 @@ Error refused(std::string_view name, const char* cause, const std::filesystem::p
 
 }  // namespace
 
+std::filesystem::path normal_path(const std::filesystem::path& path) {
+  std::string text = path.lexically_normal().string();
+  for (const std::string_view scheme : {"http:/", "https:/"})
+    if (path.native().starts_with(std::string(scheme) + "/")) text.insert(scheme.size(), 1, '/');
+  return text;
+}
+
 std::filesystem::path folder_of(const std::filesystem::path& input) {
   return input.has_parent_path() ? input.parent_path() : ".";
 }
@@ -50,7 +57,7 @@ Result<std::filesystem::path> file_of_name(const std::string& name, const std::f
   const std::filesystem::path path = name;
   if (name.empty() || name.find('\0') != std::string::npos) return refused(name, "names no file", from);
   if (path.is_absolute()) return refused(name, "is an absolute path: only relative ones are read", from);
-  const std::filesystem::path file = (from.parent_path() / path).lexically_normal();
+  const std::filesystem::path file = normal_path(from.parent_path() / path);
   const std::filesystem::path inside = file.lexically_relative(root.lexically_normal());
   if (inside.empty() || *inside.begin() == "..") return refused(name, "leads out of the folder of the input", from);
   return file;

@@ -12,6 +12,9 @@
 
 namespace zc {
 
+// As lexically_normal(); the two slashes of a web address (http://) stay.
+std::filesystem::path normal_path(const std::filesystem::path& path);
+
 // The folder that an input's files lie in, "." for a bare name.
 std::filesystem::path folder_of(const std::filesystem::path& input);
 

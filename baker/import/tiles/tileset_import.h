@@ -3,25 +3,38 @@
 // turned into a local frame, z up. Source: OGC 18-053r2 (1.0), OGC 22-025r4 (1.1). Untrusted input.
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
+#include <vector>
 
 #include "baker/import/shared/earth_frame.h"
+#include "baker/import/shared/input_files.h"
 #include "baker/import/shared/scene_builder.h"
 #include "baker/import/shared/texture_images.h"
 #include "base/result.h"
 
 namespace zc {
 
-// Whether JSON text is a tileset's; malformed text gives any answer.
-bool is_tileset(std::string_view text);
+// Where a tileset's files come from, and whether the import goes on without those that are not there.
+struct TilesetSource {
+  const InputFiles* files = &disk_files();
+  bool skip_missing = false;
+};
 
-// `text` is the whole file at `path`. The first geocentric tileset chooses `earth`, which all later ones share: they
-// stay where they are to each other.
-// Fails on implicit tiling, on required extensions that are not handled, on cycles and on files outside the folder of
-// `path`.
-Status import_tileset(std::string_view text, const std::string& path, std::optional<EarthFrame>& earth,
-                      TextureImages& images, SceneBuilder& builder);
+// `bytes` is the whole file at `path`: a tileset.json, or a tile's content by itself. The first geocentric tileset
+// chooses `earth`, which all later ones share: they stay where they are to each other.
+// Fails on required extensions that are not handled, on cycles and on files outside the folder of `path`.
+Status import_tileset(std::vector<std::byte> bytes, const std::filesystem::path& path, const TilesetSource& source,
+                      std::optional<EarthFrame>& earth, TextureImages& images, SceneBuilder& builder);
+
+// A tileset in a ZIP archive (.3tz).
+Status import_tiles_archive(const std::filesystem::path& archive, bool skip_missing, std::optional<EarthFrame>& earth,
+                            TextureImages& images, SceneBuilder& builder);
+
+// A tileset, or a tile's content, on a web server.
+Status import_web_tiles(const std::string& url, bool skip_missing, std::optional<EarthFrame>& earth,
+                        TextureImages& images, SceneBuilder& builder);
 
 }  // namespace zc

@@ -42,7 +42,11 @@ std::optional<Error> status_failure(const HttpRequest& request, long status, std
   if (status == 200 || status == 206 || status == 304) return std::nullopt;
   const std::string message = "the server answers with status " + std::to_string(status);
   const bool later = status == 408 || status == 425 || status == 429 || status >= 500;
-  if (!later) return lasting_failure(request, message);
+  if (!later) {
+    Error error = lasting_failure(request, message);
+    if (status == 404 || status == 410) error.code = ErrorCode::kMissing;
+    return error;
+  }
   Error error = transient_failure(request, message);
   if (retry_after_s) error.retry_after_s = std::clamp(*retry_after_s, 0.0, kRetryAfterLimit_s);
   return error;

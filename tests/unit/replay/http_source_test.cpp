@@ -201,7 +201,7 @@ TEST_F(HttpSource, what_is_not_there_is_to_be_asked_for_later) {
   node.cell_x = 999;
   const auto missing = source->begin(page_files(node))->wait(0);
   ASSERT_FALSE(missing.ok());
-  EXPECT_EQ(missing.error().code, ErrorCode::kIo);
+  EXPECT_EQ(missing.error().code, ErrorCode::kMissing);
   EXPECT_EQ(missing.error().retry_after_s, 10);
   EXPECT_NE(missing.error().message.find("404"), std::string::npos);
   EXPECT_EQ(source->read("../secret", 1).error().code, ErrorCode::kArgument);

@@ -131,7 +131,7 @@ TEST(RetryPolicy, what_may_pass_is_tried_again_when_the_server_says) {
   for (const long status : {0L, 204L, 301L, 400L, 401L, 403L, 404L, 410L, 416L}) {
     const auto error = status_failure(request, status, 7.0);
     ASSERT_TRUE(error);
-    EXPECT_EQ(error->code, ErrorCode::kIo) << status;
+    EXPECT_EQ(error->code, status == 404 || status == 410 ? ErrorCode::kMissing : ErrorCode::kIo) << status;
     EXPECT_EQ(error->retry_after_s, 10.0);
   }
   EXPECT_EQ(status_failure(request, 503, 1e9)->retry_after_s, 3600);
