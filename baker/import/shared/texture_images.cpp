@@ -26,6 +26,11 @@ std::optional<LoadedImage> TextureImages::add(const std::string& name, std::span
   for (std::uint32_t i = 0; i < dropped_levels_; ++i) drop_finest(image);
   texels_ += image.texel_count();
   images_.push_back(std::move(image));
+  masks_.emplace_back();
+  if (decoded->channels % 2 == 0) {
+    auto mask = std::make_unique<AlphaMask>(decoded->pixels, decoded->width, decoded->height, decoded->channels);
+    if (mask->share_at_least(1) < 1) masks_.back() = std::move(mask);
+  }
   while (texels_ > kMaxTexels && texels_ > images_.size()) {
     ++dropped_levels_;
     texels_ = 0;

@@ -8,11 +8,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "baker/import/images/alpha_mask.h"
 #include "baker/import/shared/input_files.h"
 #include "baker/scene/texture_image.h"
 #include "base/result.h"
@@ -33,6 +35,8 @@ class TextureImages {
                                      const InputFiles& files = disk_files());
   // `key` separates images within models.
   std::optional<LoadedImage> of_bytes(const std::string& key, std::span<const std::byte> encoded);
+  // Where the image is opaque; null when all of it is.
+  [[nodiscard]] const AlphaMask* mask_of(std::uint32_t index) const { return masks_[index].get(); }
   void report(SceneBuilder& builder) const;
   [[nodiscard]] std::vector<TextureImage> take() { return std::move(images_); }
 
@@ -41,6 +45,7 @@ class TextureImages {
 
   std::map<std::string, std::optional<LoadedImage>> known_;
   std::vector<TextureImage> images_;
+  std::vector<std::unique_ptr<AlphaMask>> masks_;  // per image
   std::uint64_t texels_ = 0;
   std::uint32_t dropped_levels_ = 0;  // of every image, so that all fit
   std::vector<std::string> missing_;
