@@ -106,9 +106,10 @@ void add_bake(CLI::App& app, const SetCommand& set) {
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("bake", "Bake city models into a world of zones");
   command
-      ->add_option("inputs", arguments->inputs,
-                   "glTF, GLB, CityJSON, CityJSONSeq, CityGML, 3D Tiles (tileset.json, .3tz, b3dm, i3dm, cmpt, "
-                   "http://...), each also as .gz or .zip; folders of them; -: CityJSONSeq from standard input")
+      ->add_option(
+          "inputs", arguments->inputs,
+          "glTF, GLB, CityJSON, CityJSONSeq, CityGML, 3D Tiles (also on the web), each also packed (.gz, .zip); "
+          "folders of them; -: CityJSONSeq from standard input")
       ->required();
   add_json_option(*command, arguments->json, command->get_option("inputs"));
   command->add_option("-o,--output", arguments->out, "World folder to write; an old world there is replaced")
