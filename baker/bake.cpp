@@ -6,6 +6,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <string>
 #include <thread>
 #include <utility>
@@ -29,12 +30,27 @@ std::uint64_t peak_rss_bytes() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
+// By area, of what the import gave.
+double reflecting_share(const Scene& scene) {
+  double all = 0;
+  double smooth = 0;
+  for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
+    const auto& [a, b, c] = scene.triangles[t];
+    const double area =
+        glm::length(glm::cross(scene.positions[b] - scene.positions[a], scene.positions[c] - scene.positions[a]));
+    all += area;
+    if (scene.materials[scene.triangle_material[t]].roughness < kReflectingRoughness) smooth += area;
+  }
+  return all > 0 ? smooth / all : 0;
+}
+
 // The stages in order. What a stage needs of the whole city is a member of its input, so that a part of a city goes
 // through the same functions.
 Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& options, WorldWriter& writer,
                         BakeContext& context) {
   BakeReport report;
   const std::uint64_t source_triangles = scene.triangles.size();
+  report.reflecting_share = reflecting_share(scene);
   BakeCache cache;
   if (options.reuse) cache.read(writer.out() / kBakeCacheName);
 

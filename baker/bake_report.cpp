@@ -82,6 +82,7 @@ std::string bake_json(const BakeReport& report) {
                     {"open_edges", report.repair.open_edges},
                     {"border_error_m", report.repair.border_error_m}};
   json["left_out"] = to_json(report.left_out, report.notes);
+  json["reflecting"] = {{"roughness_below", 0.35}, {"share_of_surface", report.reflecting_share}};
   json["notes"] = to_json(report.notes);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

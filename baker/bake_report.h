@@ -16,6 +16,8 @@
 namespace zc {
 
 inline constexpr const char* kBakeReportName = "bake.json";
+// As `replay` has it by default (ReflectionOptions::roughness_cut).
+inline constexpr float kReflectingRoughness = 0.35F;
 
 struct BakeSeconds {  // wall clock
   double total = 0;
@@ -35,6 +37,7 @@ struct BakeSeconds {  // wall clock
 struct BakeReport {
   WorldIndex index;
   BakeSeconds seconds;
+  double reflecting_share = 0;  // of the input's surface: smoother than kReflectingRoughness
   std::vector<ImportCount> notes;
   RepairReport repair;
   std::uint64_t interior_faces = 0;  // dropped

@@ -83,7 +83,7 @@ struct Source {
 
 class Importer {
  public:
-  explicit Importer(const ImportOptions& options) : options_(options) {}
+  explicit Importer(const ImportOptions& options) : options_(options), builder_(options.materials) {}
 
   // What the caller named.
   Status add(const std::filesystem::path& input) {
@@ -108,6 +108,7 @@ class Importer {
       builder_.note_files("inputs without a reference system, taken to be in that of the others", without_crs_);
     builder_.note_files("files in folders and archives that are no city models, left out", other_files_);
     images_.report(builder_);
+    if (options_.ground_plane) ZC_TRY(builder_.add_ground_plane(options_.ground_plane_z_m));
     Scene scene = builder_.finish(images_.take());
     if (scene.triangles.empty()) return nothing_to_bake(scene, first_input);
     return scene;

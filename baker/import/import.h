@@ -8,8 +8,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 
+#include "baker/import/shared/material_rules.h"
 #include "baker/scene/scene.h"
 #include "base/result.h"
 
@@ -17,6 +19,9 @@ namespace zc {
 
 struct ImportOptions {
   bool skip_missing = false;  // tiles that are not there are counted instead of an error
+  MaterialRules materials;
+  bool ground_plane = false;
+  std::optional<double> ground_plane_z_m;  // else at the lowest point
 };
 
 // Reads every input (told apart by content, not by extension) and merges them into one scene, in order. Folders and

@@ -32,6 +32,7 @@ struct Material {
   float roughness = 0.9F;
   float metallic = 0;
   std::optional<SurfaceTexture> texture = {};
+  std::string surface = {};  // semantic type that it was chosen by; empty: the input's own material
 
   bool operator==(const Material&) const = default;
 };

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <spdlog/spdlog.h>
+#include <charconv>
+#include <cmath>
 
 #include <algorithm>
 #include <chrono>
@@ -24,6 +26,8 @@
 namespace zc {
 namespace {
 
+constexpr double kHighestPlane_m = 1e5;
+constexpr std::uint64_t kRulesLimitBytes = std::uint64_t{1} << 24U;
 constexpr std::uint64_t kReportLimitBytes = std::uint64_t{1} << 30U;
 
 struct Arguments {
@@ -32,6 +36,9 @@ struct Arguments {
   JsonOption json;
   std::optional<std::string> sun;
   ImportOptions import;
+  std::string materials;
+  bool wet = false;
+  std::string ground_plane;
   BakeOptions options;
 };
 
@@ -41,6 +48,27 @@ Status check_json_file(const JsonOption& json) {
   std::string begin(12, '\0');
   if (json.file.empty() || !file.read(begin.data(), 12) || begin == "{\n  \"bake_s\"") return {};
   return Error{ErrorCode::kArgument, "is there and not a bake's report; --json does not replace it", json.file};
+}
+
+Status read_material_rules(const Arguments& arguments, MaterialRules& rules) {
+  if (!arguments.materials.empty()) {
+    ZC_ASSIGN(const std::vector<std::byte> bytes, read_file(arguments.materials, kRulesLimitBytes));
+    ZC_ASSIGN(rules,
+              MaterialRules::parse({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, arguments.materials));
+  }
+  if (arguments.wet) rules.wet_ground();
+  return {};
+}
+
+Status read_ground_plane(const std::string& text, ImportOptions& import) {
+  import.ground_plane = !text.empty();
+  if (text.empty() || text == "lowest") return {};
+  double z_m = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), z_m);
+  if (failure != std::errc() || end != text.data() + text.size() || !(std::abs(z_m) <= kHighestPlane_m))
+    return Error{ErrorCode::kArgument, "--ground-plane is 'lowest' or a height in metres, not '" + text + "'"};
+  import.ground_plane_z_m = z_m;
+  return {};
 }
 
 void print_summary(const Arguments& arguments, const BakeReport& report, bool reused) {
@@ -53,7 +81,10 @@ void print_summary(const Arguments& arguments, const BakeReport& report, bool re
             << counted(zones, "zone") << ", " << counted(report.index.nodes.size(), "node");
   if (reused) std::cout << " (" << report.proxies_reused << " proxies as before)";
   std::cout << ", " << std::fixed << std::setprecision(1) << report.seconds.total << " s, peak memory "
-            << format_bytes(report.peak_rss_bytes) << '\n';
+            << format_bytes(report.peak_rss_bytes) << '\n'
+            << std::setprecision(report.reflecting_share < 0.1 ? 2 : 0) << 100 * report.reflecting_share
+            << " % of the surface reflects"
+            << (report.reflecting_share > 0 ? "" : ": --wet or --materials makes a world that does") << '\n';
 }
 
 Status run(const Arguments& arguments) {
@@ -64,6 +95,9 @@ Status run(const Arguments& arguments) {
   std::error_code failure;
   const bool had_cache = std::filesystem::exists(std::filesystem::path(arguments.out) / kBakeCacheName, failure);
   ZC_ASSIGN(WorldWriter writer, WorldWriter::open(arguments.out));
+  ImportOptions import = arguments.import;
+  ZC_TRY(read_material_rules(arguments, import.materials));
+  ZC_TRY(read_ground_plane(arguments.ground_plane, import));
   Progress progress;
   BakeOptions options = arguments.options;
   if (arguments.sun) {
@@ -76,7 +110,7 @@ Status run(const Arguments& arguments) {
   progress.update(0, "import");
   const auto started = std::chrono::steady_clock::now();
   const std::vector<std::filesystem::path> inputs(arguments.inputs.begin(), arguments.inputs.end());
-  ZC_ASSIGN(Scene scene, import_inputs(inputs, arguments.import));
+  ZC_ASSIGN(Scene scene, import_inputs(inputs, import));
   const std::chrono::duration<double> import_s = std::chrono::steady_clock::now() - started;
   Result<BakeReport> baked = bake_world(std::move(scene), import_s.count(), options, std::move(writer));
   if (!baked) {
@@ -140,6 +174,11 @@ void add_bake(CLI::App& app, const SetCommand& set) {
                     "walls between buildings that touch");
   command->add_flag("--skip-missing", arguments->import.skip_missing,
                     "Bake a tileset without the tiles that are not there: they are counted and the first ones named");
+  command->add_option("--materials", arguments->materials,
+                      "JSON file of what surfaces are made of, by surface type, object type, name or material");
+  command->add_flag("--wet", arguments->wet, "Ground and roads are dark and smooth, as after rain");
+  command->add_option("--ground-plane", arguments->ground_plane,
+                      "Put a plane under everything: lowest (as its lowest point) or a height in metres");
   command->add_option("--threads", arguments->options.threads, "Threads (0: all cores)")
       ->capture_default_str()
       ->check(CLI::Range(0U, 256U));

@@ -55,7 +55,8 @@ class CityGmlImport {
     ObjectMesh mesh;
     mesh.id = gml_attribute(object, "id");
     if (mesh.id.empty()) mesh.id = "at byte " + std::to_string(object.offset_debug());
-    mesh.kind = kind_of_city_object(object_type(local_name(object)));
+    mesh.type = object_type(local_name(object));
+    mesh.kind = kind_of_city_object(mesh.type);
     builder_.enter_object(mesh.id);
     ZC_ASSIGN(const std::vector<FoundFeature> features, features_.read(object));
     if (features.empty()) builder_.note("features without surfaces (points, curves or nothing), left out");

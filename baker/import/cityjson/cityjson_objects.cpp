@@ -167,7 +167,8 @@ class ObjectsReader {
   Status add_object(const std::string& owner, const std::vector<std::string>& ids) {
     ObjectMesh mesh;
     mesh.id = owner;
-    mesh.kind = kind_of_city_object(plans_.at(owner).type);
+    mesh.type = plans_.at(owner).type;
+    mesh.kind = kind_of_city_object(mesh.type);
     for (const std::string& id : ids) {
       const Plan& plan = plans_.at(id);
       const CityObjectRef object{id, plan.type, owner};

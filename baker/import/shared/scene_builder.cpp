@@ -10,6 +10,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "baker/import/shared/surface_material.h"
 #include "base/check.h"
 #include "base/text.h"
 
@@ -63,13 +64,8 @@ std::uint16_t SceneBuilder::material(const Material& material) {
                t->offset.x,
                t->offset.y,
                t->offset.z};
-  const MaterialKey key{material.name,
-                        material.base_color.x,
-                        material.base_color.y,
-                        material.base_color.z,
-                        material.roughness,
-                        material.metallic,
-                        texture};
+  const MaterialKey key{material.name,         material.surface,   material.base_color.x, material.base_color.y,
+                        material.base_color.z, material.roughness, material.metallic,     texture};
   if (const auto known = materials_.find(key); known != materials_.end()) return known->second;
   if (scene_.materials.size() < kMaxMaterials) {
     const auto index = static_cast<std::uint16_t>(scene_.materials.size());
@@ -128,6 +124,13 @@ Status SceneBuilder::add_once(const ObjectMesh& mesh) {
   glm::dvec3 low(std::numeric_limits<double>::max());
   glm::dvec3 high(std::numeric_limits<double>::lowest());
   auto texcoords = mesh.texcoords.begin();
+  std::map<std::uint16_t, std::uint16_t> ruled;  // what the rules make of this object's materials
+  const auto material_of = [&](std::uint16_t index) {
+    if (rules_.empty()) return index;
+    const auto [slot, is_new] = ruled.try_emplace(index);
+    if (is_new) slot->second = material(rules_.apply(scene_.materials[index], mesh.type, mesh.id, mesh.kind));
+    return slot->second;
+  };
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     while (texcoords != mesh.texcoords.end() && texcoords->triangle < t) ++texcoords;
     std::array<glm::dvec3, 3> corners;
@@ -154,14 +157,15 @@ Status SceneBuilder::add_once(const ObjectMesh& mesh) {
       low = glm::min(low, corners[k]);
       high = glm::max(high, corners[k]);
     }
-    if (texcoords != mesh.texcoords.end() && texcoords->triangle == t && scene_.materials[mesh.materials[t]].texture) {
+    const std::uint16_t material_index = material_of(mesh.materials[t]);
+    if (texcoords != mesh.texcoords.end() && texcoords->triangle == t && scene_.materials[material_index].texture) {
       if (usable(*texcoords))
         scene_.texcoords.push_back({static_cast<std::uint32_t>(scene_.triangles.size()), texcoords->uv});
       else
         note("triangles with texture coordinates that are not finite or beyond 2^24, mean colour used");
     }
     scene_.triangles.push_back(triangle);
-    scene_.triangle_material.push_back(mesh.materials[t]);
+    scene_.triangle_material.push_back(material_index);
   }
   const std::size_t count = scene_.triangles.size() - first;
   if (count == 0) return {};
@@ -169,6 +173,31 @@ Status SceneBuilder::add_once(const ObjectMesh& mesh) {
   scene_.objects.push_back({mesh.id, wide ? ObjectKind::kGround : mesh.kind, static_cast<std::uint32_t>(first),
                             static_cast<std::uint32_t>(count)});
   return {};
+}
+
+Status SceneBuilder::add_ground_plane(std::optional<double> z_m) {
+  if (scene_.positions.empty()) return {};
+  constexpr double kWider = 0.1;  // of its size, and as many metres
+  constexpr double kWider_m = 10;
+  glm::dvec3 low = scene_.positions.front();
+  glm::dvec3 high = low;
+  for (const glm::dvec3& p : scene_.positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  const glm::dvec3 more = (high - low) * kWider + kWider_m;
+  const double z = z_m.value_or(low.z);
+  ObjectMesh plane;
+  plane.id = "ground plane";
+  plane.kind = ObjectKind::kGround;
+  plane.positions = {{low.x - more.x, low.y - more.y, z},
+                     {high.x + more.x, low.y - more.y, z},
+                     {high.x + more.x, high.y + more.y, z},
+                     {low.x - more.x, high.y + more.y, z}};
+  plane.triangles = {{0, 1, 2}, {0, 2, 3}};
+  plane.materials.assign(2, material(surface_material(Surface::kLand, plane.type, plane.id, {})));
+  enter_file({});
+  return add_once(plane);
 }
 
 void SceneBuilder::note(const std::string& what, std::uint64_t count) {

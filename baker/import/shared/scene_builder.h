@@ -8,11 +8,13 @@
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <map>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "baker/import/shared/material_rules.h"
 #include "baker/scene/scene.h"
 #include "base/result.h"
 
@@ -20,6 +22,7 @@ namespace zc {
 
 struct ObjectMesh {
   std::string id;
+  std::string type = {};                  // of a city object: "Building"
   ObjectKind kind = ObjectKind::kObject;  // kObject becomes kGround when the object is too wide for one zone
   std::vector<glm::dvec3> positions;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -39,6 +42,8 @@ inline constexpr std::uint64_t kMaxInstancedTriangles = 1U << 22U;
 
 class SceneBuilder {
  public:
+  explicit SceneBuilder(MaterialRules rules = {}) : rules_(std::move(rules)) {}
+
   // Index of an equal material, added when new. A full table yields the nearest in colour and roughness that has no
   // texture.
   std::uint16_t material(const Material& material);
@@ -50,6 +55,8 @@ class SceneBuilder {
   // What is noted next lies in this file, outside any object.
   void enter_file(const std::string& path) { place_ = {path, {}}; }
   void enter_object(const std::string& id) { place_.object = id; }
+  // A square of dry land under all that was added, a little wider. z_m: its height; else that of the lowest point.
+  Status add_ground_plane(std::optional<double> z_m);
   void note(const std::string& what, std::uint64_t count = 1);
   // One for each of the files that are named.
   void note_files(const std::string& what, const std::vector<std::string>& names);
@@ -65,13 +72,14 @@ class SceneBuilder {
 
  private:
   using TextureKey = std::array<float, 9>;
-  using MaterialKey = std::tuple<std::string, float, float, float, float, float, TextureKey>;
+  using MaterialKey = std::tuple<std::string, std::string, float, float, float, float, float, TextureKey>;
   struct Place {
     std::string file;
     std::string object;
   };
   Status add_once(const ObjectMesh& mesh);
 
+  const MaterialRules rules_;
   Scene scene_;
   Place place_;
   std::vector<glm::dmat4> instances_;

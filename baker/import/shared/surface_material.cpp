@@ -181,7 +181,10 @@ Material surface_material(Surface surface, std::string_view object_type, std::st
                           const Paint& paint) {
   const bool glass = surface == Surface::kWindow || (paint.transparent && can_be_glass(surface));
   const Appearance& appearance = appearance_of(glass ? Surface::kWindow : surface);
-  Material material{.name = appearance.name, .base_color = appearance.color, .roughness = appearance.roughness};
+  Material material{.name = appearance.name,
+                    .base_color = appearance.color,
+                    .roughness = appearance.roughness,
+                    .surface = appearance.name};
   if (paint.color) {
     material.name.append(" ").append(paint.name);
     // Glass stays dark and smooth: an image only tints it, a plain material colour tints what is see-through.
