@@ -33,7 +33,14 @@ Status PagedScene::open_through(PageSink& sink, Source& source, const std::files
   Result<std::unique_ptr<Streamer>> opened = Streamer::open(source, options, sink);
   if (!opened) return in_world(std::move(opened).error(), world);
   streamer_ = std::move(opened).value();
+  world_ = world;
   return {};
+}
+
+Status PagedScene::advance(std::span<const View> views, double time_s) {
+  Status advanced = streamer_->advance(views, time_s);
+  if (!advanced.ok()) return in_world(std::move(advanced).error(), world_);
+  return advanced;
 }
 
 }  // namespace zc

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "base/check.h"
 #include "runtime/scene/zone_set.h"
@@ -38,6 +39,8 @@ class PagedScene {
   Status open_through(PageSink& sink, Source& source, const std::filesystem::path& world,
                       const StreamerOptions& options);
 
+  // Streamer::advance(); errors name the world.
+  Status advance(std::span<const View> views, double time_s);
   [[nodiscard]] Streamer& streamer() { return *streamer_; }
   [[nodiscard]] const Streamer& streamer() const { return *streamer_; }
   [[nodiscard]] IndexView index() const { return streamer_->index(); }
@@ -54,6 +57,7 @@ class PagedScene {
  private:
   std::optional<ZoneSet> zones_;
   std::optional<HeapPageSink> heap_;
+  std::filesystem::path world_;
   std::unique_ptr<Streamer> streamer_;
 };
 

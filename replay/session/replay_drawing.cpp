@@ -2,6 +2,7 @@
 #include "replay/session/replay_drawing.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "replay/paths/frame_camera.h"
@@ -11,6 +12,7 @@ namespace {
 
 // The host draws full detail wherever a third of a pixel at 720 lines would show the difference.
 constexpr double kHostTolerance = 0.0004;
+constexpr const char* kNoMirror = "no material of this world mirrors";
 
 }  // namespace
 
@@ -45,6 +47,10 @@ Status ReplayDrawing::open_host() {
   sun_is_baked_ = host.sun_is_baked;
   mirrors_ =
       std::ranges::any_of(index.materials, [&](const MaterialRecord& m) { return m.roughness < host.roughness_cut; });
+  if (!mirrors_ && options_.renderer.reflections != ReflectionMode::kNone)
+    options_.warn({ErrorCode::kArgument,
+                   std::string(kNoMirror) + ", so no ray is traced; bake it with --wet or --materials",
+                   options_.world.string()});
   if (!mirrors_ && !options_.leave_nothing_out) host.reflections = ReflectionMode::kNone;
   host.leave_nothing_out = options_.leave_nothing_out;
   kernels_.emplace(options_, VariantKey{device_.name(), device_.driver()}, host.reflections != ReflectionMode::kNone);
@@ -56,7 +62,7 @@ Status ReplayDrawing::open_host() {
 
 Result<FrameResult> ReplayDrawing::draw_frame(std::uint64_t frame, const std::vector<CameraSample>& cameras,
                                               ReplayFiles* files, ReplayStatistics& statistics) {
-  ZC_TRY(full_detail_.streamer().advance(views_of(cameras), cameras.front().time_s));
+  ZC_TRY(full_detail_.advance(views_of(cameras), cameras.front().time_s));
   std::vector<FrameResult> pictures;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     ZC_ASSIGN(const FrameCamera camera, make_camera(proxies_.index(), cameras[c]));
@@ -95,7 +101,7 @@ void ReplayDrawing::describe(ReplayReport& report) {
   if (sun_is_baked_) report.left_out.emplace_back("shadow rays: where the bake says what the sun lights");
   report.left_out.emplace_back("filter: every mirror is exactly specular");
   for (const LeftOutPass& left : scene_->host().left_out())
-    report.left_out.push_back(left.passes + ": " + (mirrors_ ? left.reason : "no material of this world mirrors"));
+    report.left_out.push_back(left.passes + ": " + (mirrors_ ? left.reason : kNoMirror));
 }
 
 }  // namespace zc

@@ -34,6 +34,7 @@ class Session {
     }
     statistics_.begin();
     ZC_TRY(open_world());
+    scene_->streamer().observe(selections_);
     ZC_TRY(place_cameras());
     if (!options_.out.empty()) ZC_TRY(open_files());
     ZC_TRY(replay_frames());
@@ -77,7 +78,6 @@ class Session {
   Status open_files() {
     ZC_ASSIGN(files_, ReplayFiles::create(options_, cameras_->size(), frames_.count()));
     if (files_->trace() != nullptr) scene_->streamer().observe(*files_->trace());
-    scene_->streamer().observe(selections_);
     return {};
   }
 
@@ -97,7 +97,7 @@ class Session {
     if (options_.streamer.clock == ClockKind::kWall) std::this_thread::sleep_until(wall_time_of(time_s));
     Streamer& streamer = scene_->streamer();
     const Clock::time_point began = Clock::now();
-    ZC_TRY(streamer.advance(cameras_->look_ahead(cameras), time_s));
+    ZC_TRY(scene_->advance(cameras_->look_ahead(cameras), time_s));
     if (files_ && files_->trace() != nullptr)
       files_->trace()->add_frame(frame, began, Clock::now(), streamer.statistics());
     std::optional<FrameResult> drawn;

@@ -44,7 +44,7 @@ Result<std::unique_ptr<HeldIndex>> HeldIndex::open(Source& source, std::uint64_t
   if (const std::uint64_t takes = check_index_bytes(header.node_count) + header.crs_bytes; takes > limit_bytes)
     return Error{ErrorCode::kBudget,
                  "its " + std::to_string(header.node_count) + " nodes take " + std::to_string(takes) +
-                     " bytes to be checked, more than the cap of " + std::to_string(limit_bytes) + ": use a larger cap",
+                     " bytes to be checked: use a larger cap, of more than that",
                  kWorldIndexName};
   ZC_ASSIGN(IndexInFile checked, check_world_index(file_bytes, read, NodeBlocks::kNodesPerBlock, kWorldIndexName));
   held->index_ = std::move(checked.index);

@@ -68,8 +68,8 @@ void NodeBlocks::fetch(std::uint32_t block, std::uint32_t slot) {
   const std::uint64_t at = sizeof(WorldHeader) + first * sizeof(NodeRecord);
   if (Status read = read_(at, std::as_writable_bytes(records)); !read.ok()) throw IndexFault(std::move(read).error());
   if (XXH3_64bits(records.data(), records.size_bytes()) != xxh3_[block])
-    throw IndexFault(
-        {ErrorCode::kFormat, "has changed since the world was opened", path_, static_cast<std::int64_t>(at)});
+    throw IndexFault({ErrorCode::kFormat, "has changed since the world was opened; open it again", path_,
+                      static_cast<std::int64_t>(at)});
   block_of_[slot] = block;
   slot_of_[block] = slot;
   ++blocks_read_;

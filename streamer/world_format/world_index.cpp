@@ -146,6 +146,8 @@ Status check_header(const WorldHeader& header, std::uint64_t file_bytes, const s
   if (header.node_count == 0) return fault("no nodes", offsetof(WorldHeader, node_count));
   if (header.material_count == 0 || header.material_count > kMaxMaterials)
     return fault("material count out of range", offsetof(WorldHeader, material_count));
+  if (header.crs_bytes > kMaxCrsBytes)
+    return fault("the name of the reference system is too long", offsetof(WorldHeader, crs_bytes));
   // 32-bit counts times small sizes: no overflow in 64 bits.
   const std::uint64_t expected = sizeof(WorldHeader) + std::uint64_t{header.node_count} * sizeof(NodeRecord) +
                                  std::uint64_t{header.material_count} * sizeof(MaterialRecord) + header.crs_bytes;
@@ -301,7 +303,7 @@ std::string node_file(const NodeRecord& node, const char* extension) {
 
 std::vector<std::byte> encode_world_index(const WorldIndex& index) {
   ZC_CHECK(index.nodes.size() <= std::numeric_limits<std::uint32_t>::max());
-  ZC_CHECK(index.materials.size() <= kMaxMaterials);
+  ZC_CHECK(index.materials.size() <= kMaxMaterials && index.crs.size() <= kMaxCrsBytes);
   WorldHeader header = index.header;
   header.node_count = static_cast<std::uint32_t>(index.nodes.size());
   header.material_count = static_cast<std::uint32_t>(index.materials.size());

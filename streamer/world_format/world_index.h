@@ -27,6 +27,7 @@ namespace zc {
 inline constexpr std::array<char, 8> kWorldMagic = {'Z', 'C', 'W', 'O', 'R', 'L', 'D', '\n'};
 inline constexpr std::uint32_t kWorldVersion = 5;
 inline constexpr std::int32_t kDefaultStepLog2 = -8;
+inline constexpr std::uint32_t kMaxCrsBytes = 64U << 10U;  // of any description, WKT included
 inline constexpr const char* kWorldIndexName = "world.zcw";
 
 struct WorldHeader {

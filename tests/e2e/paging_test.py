@@ -47,6 +47,15 @@ class Paging(support.Case):
                     else:  # zones are finer where the other camera is near: reflections may differ a little
                         self.assertLess(support.rmse(alone, together), 4.0)
 
+    def test_a_report_without_a_folder_is_the_same(self):
+        common = ("--path", self.drive, "--no-render", "--cap", "2MiB")
+        stats = self.replay("kept", *common)
+        alone = json.loads(self.zonecast("replay", self.world, *common, "--json"))
+        alone = alone.get("summary", alone)
+        for key in ("zones_loaded", "reloads", "reloads_optimal", "bytes_read", "bytes_read_optimal", "event_log_xxh3"):
+            self.assertEqual(alone[key], stats[key], key)
+        self.assertGreater(alone["bytes_read_optimal"], 0)
+
     def test_a_trace_has_a_track_a_worker_and_counts_what_the_ledger_does(self):
         stats = self.replay("traced", "--path", self.drive, "--no-render", "--cap", "4MiB", "--trace", "--threads", "3",
                             "--source-latency", "50ms", "--source-bandwidth", "1MB/s")

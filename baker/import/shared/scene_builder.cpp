@@ -18,6 +18,7 @@ namespace zc {
 namespace {
 
 constexpr std::size_t kMaxMaterials = 65'535;
+constexpr std::size_t kMaxCrsNameBytes = 16U << 10U;  // of WKT; a world's index has room for more
 
 struct PositionHash {
   std::size_t operator()(const glm::dvec3& p) const {
@@ -221,6 +222,11 @@ void SceneBuilder::note_missing(const std::string& what, std::uint64_t count, st
 Status SceneBuilder::set_crs(const std::string& crs, const std::string& path) {
   if (crs.empty()) return {};
   ++crs_named_;
+  if (crs.size() > kMaxCrsNameBytes)
+    return Error{ErrorCode::kUnsupported,
+                 "the name of its reference system takes " + std::to_string(crs.size()) + " bytes, at most " +
+                     std::to_string(kMaxCrsNameBytes) + " are read",
+                 path};
   if (lower(crs).find("epsg") != std::string::npos && (crs.back() < '0' || crs.back() > '9'))
     note("reference systems without an EPSG code at their end, kept as they are written");
   if (scene_.crs.empty()) scene_.crs = crs;

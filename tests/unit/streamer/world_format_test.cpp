@@ -55,6 +55,19 @@ void use_index(const WorldIndex& index) {
   EXPECT_LE(cut.size(), selection.nodes.size());
 }
 
+TEST(WorldIndex, has_no_room_for_a_reference_system_without_end) {
+  std::vector<std::byte> bytes = encode_world_index(world().index);
+  WorldHeader header;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  header.crs_bytes = kMaxCrsBytes + 1;
+  bytes.resize(bytes.size() - world().index.crs.size() + header.crs_bytes);
+  std::memcpy(bytes.data(), &header, sizeof header);
+  rehash(bytes);
+  const auto index = decode_world_index(bytes, "world.zcw");
+  ASSERT_FALSE(index.ok());
+  EXPECT_NE(index.error().message.find("reference system is too long"), std::string::npos) << index.error().message;
+}
+
 TEST(WorldIndex, comes_back_as_it_was_written) {
   const WorldIndex& before = world().index;
   const std::vector<std::byte> bytes = encode_world_index(before);
