@@ -99,7 +99,8 @@ void split(Subtree& tree, const CellGrid& grid, const LeafLimits& limits) {
   const std::array<std::int64_t, 2> middle = {(2 * std::int64_t{tree.zone.cell_x} + 1) * half,
                                               (2 * std::int64_t{tree.zone.cell_y} + 1) * half};
   const bool is_few = is_wide && triangles <= kFewTriangles && tree.zone.depth < kFewWidthDepthLimit;
-  if (!is_few && (pieces_in_quarters(tree, middle) > kPiecesMax * triangles || is_chopped(tree))) return;
+  if (!is_few && pieces_in_quarters(tree, middle) > kPiecesMax * triangles) return;
+  if (!is_wide && is_chopped(tree)) return;
   std::array<std::unique_ptr<Subtree>, 4> parts;
   for (std::uint32_t i = 0; i < 4; ++i) {
     parts[i] = std::make_unique<Subtree>();

@@ -68,7 +68,7 @@ class Exterior {
   Result<std::vector<bool>> visible() {
     ZC_ASSIGN(const LightDevice device, LightDevice::create());
     constexpr std::array<std::uint32_t, 1> kAll = {0};
-    ZC_ASSIGN(const LightScene scene, LightScene::build(device, detail_, kAll));
+    ZC_ASSIGN(const LightScene scene, LightScene::build(device, detail_, kAll, {glm::dvec3(0), detail_.bias_m}));
     scene_ = &scene;
     const auto faces = static_cast<std::uint32_t>(mesh_.faces.size());
     std::vector<std::uint32_t> sides;
