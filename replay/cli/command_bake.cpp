@@ -12,8 +12,8 @@
 
 #include "baker/bake.h"
 #include "baker/import/import.h"
+#include "baker/import/stray_objects.h"
 #include "baker/scene/bake_cache.h"
-#include "baker/scene/stray_objects.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "replay/cli/bvh_option.h"

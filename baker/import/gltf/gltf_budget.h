@@ -5,8 +5,8 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
-#include "baker/import/shared/scene_builder.h"
 #include "base/result.h"
 
 namespace zc {
@@ -41,7 +41,7 @@ class GltfBudget {
   Sum read_{(std::uint64_t{1} << 24U) + 64 * bytes_};
   Sum bare_{(std::uint64_t{1} << 20U) + bytes_};
   Sum kept_{(std::uint64_t{1} << 22U) + 4 * bytes_};
-  Sum drawn_{kMaxInstancedTriangles + bytes_};
+  Sum drawn_{(std::uint64_t{1} << 20U) + 4 * bytes_};
 };
 
 }  // namespace zc

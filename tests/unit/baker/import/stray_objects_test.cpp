@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/scene/stray_objects.h"
+#include "baker/import/stray_objects.h"
 
 #include <gtest/gtest.h>
 
