@@ -21,8 +21,6 @@ namespace {
 constexpr float kMinBiasM = 2e-3F;
 // Roundings of a coordinate that a ray's start must clear.
 constexpr float kBiasUlps = 8;
-// Farther from its anchor than this in any direction, a world is wide: single precision is off by 4 mm there.
-constexpr double kWideM = 65536;
 constexpr float kSunDistanceM = 1e6F;
 // Points of a triangle that rays to the sun start from.
 constexpr std::array<glm::vec3, 4> kSunPoints = {
@@ -65,7 +63,7 @@ LightDetail::LightDetail(std::span<const ZoneMesh> meshes, std::span<const NodeR
   std::size_t triangles = 0;
   for (const NodeRecord& node : nodes) {
     triangles += node.is_detail() ? node.triangle_count : 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) is_wide_ = is_wide_ || node.bounds_max[axis] * step_m > kWideM;
+    for (std::size_t axis = 0; axis < 3; ++axis) is_wide_ = is_wide_ || node.bounds_max[axis] * step_m > kWideWorldM;
   }
   corners.reserve(3 * triangles + 1);  // Embree loads 16 bytes at the last corner
   for (std::size_t n = 0; n < nodes.size(); ++n) {

@@ -23,6 +23,8 @@ struct RTCDeviceTy;
 
 namespace zc {
 
+// Farther from its anchor than this in any direction, a world is wide: single precision is off by 4 mm there.
+inline constexpr double kWideWorldM = 65536;
 // Directions to suns that bounced light is measured for.
 inline constexpr std::size_t kBounceSuns = 7;
 const std::array<glm::vec3, kBounceSuns>& bounce_suns();
