@@ -96,10 +96,11 @@ class Clipper {
       if (da >= 0) corners[count++] = a;
       if ((da > 0 && db < 0) || (da < 0 && db > 0)) corners[count++] = intersect(a, b);
     }
+    const float share = face.share / 2 / static_cast<float>(count - 2);
     for (std::size_t i = 2; i < count; ++i) {
       const auto& [a, b, c] = std::tie(corners[0], corners[i - 1], corners[i]);
       if (is_degenerate(a.p, b.p, c.p)) continue;
-      out.push_back({{a.p, b.p, c.p}, {a.moved, b.moved, c.moved}, face.material, face.ground});
+      out.push_back({{a.p, b.p, c.p}, {a.moved, b.moved, c.moved}, share, face.material, face.ground});
     }
   }
 

@@ -15,6 +15,7 @@ namespace zc {
 struct LooseFace {
   std::array<LatticePoint, 3> p;
   std::array<float, 3> moved = {};  // of each point: how far rounding took it off the face as it was, at most; steps
+  float share = 1;                  // of the triangle that it is a piece of: each cut leaves half of it on either side
   std::uint16_t material = 0;
   bool ground = false;
 };

@@ -20,6 +20,9 @@ constexpr std::int64_t kWholeObjectMaxM = 128;
 // Pieces, for each that there is now, that a cut may make at most: where more triangles lie over each other than beside
 // each other, smaller cells contain hardly fewer.
 constexpr std::uint64_t kPiecesMax = 2;
+// And all cuts above together: a zone of more pieces than this for each whole triangle's worth in it has long triangles
+// side by side, which smaller cells only make more of.
+constexpr double kPiecesPerTriangle = 64;
 
 // For fine steps alone the world is cut into no more cells than 128 along a side; into 32 where that cuts a handful of
 // wide triangles into any number of pieces.
@@ -49,6 +52,14 @@ std::uint64_t triangles_in(const Subtree& tree) {
   std::uint64_t count = tree.cut.size();
   for (const auto& object : tree.whole) count += object.count;
   return count;
+}
+
+// Whether cutting has only made more triangles of the same ones so far.
+bool is_chopped(const Subtree& tree) {
+  double triangles = 0;
+  for (const LooseFace& face : tree.cut) triangles += static_cast<double>(face.share);
+  for (const auto& object : tree.whole) triangles += object.count;
+  return static_cast<double>(triangles_in(tree)) > kPiecesPerTriangle * triangles;
 }
 
 // At most so many triangles a cut in the middle leaves in all quarters together, clipped polygons counted as one.
@@ -89,6 +100,7 @@ void split(Subtree& tree, const CellGrid& grid, const LeafLimits& limits) {
                                               (2 * std::int64_t{tree.zone.cell_y} + 1) * half};
   const bool is_few = is_wide && triangles <= kFewTriangles && tree.zone.depth < kFewWidthDepthLimit;
   if (!is_few && pieces_in_quarters(tree, middle) > kPiecesMax * triangles) return;
+  if (!is_wide && is_chopped(tree)) return;
   std::array<std::unique_ptr<Subtree>, 4> parts;
   for (std::uint32_t i = 0; i < 4; ++i) {
     parts[i] = std::make_unique<Subtree>();
@@ -187,7 +199,7 @@ Subtree make_root(const CutInput& input, std::vector<ImportCount>& notes) {
     for (std::uint32_t i = object.first_triangle; i < object.first_triangle + object.triangle_count; ++i) {
       const LatticeFace& face = mesh.faces[i];
       const auto& p = mesh.vertices;
-      root.cut.push_back({{p[face.v[0]], p[face.v[1]], p[face.v[2]]}, {}, face.material, face.ground});
+      root.cut.push_back({{p[face.v[0]], p[face.v[1]], p[face.v[2]]}, {}, 1, face.material, face.ground});
     }
   }
   if (wide > 0) notes.push_back({"objects wider than 128 m, cut at zone borders", wide});

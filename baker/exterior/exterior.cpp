@@ -68,7 +68,7 @@ class Exterior {
   Result<std::vector<bool>> visible() {
     ZC_ASSIGN(const LightDevice device, LightDevice::create());
     constexpr std::array<std::uint32_t, 1> kAll = {0};
-    ZC_ASSIGN(const LightScene scene, LightScene::build(device, detail_, kAll));
+    ZC_ASSIGN(const LightScene scene, LightScene::build(device, detail_, kAll, {glm::dvec3(0), detail_.bias_m}));
     scene_ = &scene;
     const auto faces = static_cast<std::uint32_t>(mesh_.faces.size());
     std::vector<std::uint32_t> sides;
@@ -173,6 +173,12 @@ Result<ExteriorScene> drop_interior(SnappedScene&& input, BakeContext& context) 
   context.begin(BakeStage::kExterior);
   ExteriorScene out = {std::move(input), 0};
   SnappedScene& scene = out.scene;
+  const LatticeBox box = bounds_of(scene.mesh);
+  if (*std::ranges::max_element(box.max) * scene.lattice.step_m() > kWideWorldM) {
+    scene.notes.push_back({"faces of a world wider than 65 km, kept whether they can be seen from outside or not",
+                           scene.mesh.faces.size()});
+    return out;
+  }
   ZC_ASSIGN(const std::vector<bool> visible, Exterior(scene.mesh, scene.lattice.step_m(), context.threads()).visible());
   std::vector<LatticeFace> faces;
   std::vector<SceneObject> objects;

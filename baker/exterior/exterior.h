@@ -23,7 +23,8 @@ struct ExteriorScene {
   std::uint64_t dropped = 0;  // faces; objects without a face are gone too
 };
 
-// Needs the whole city: rays go as far as it does.
+// Needs the whole city: rays go as far as it does. A world too wide for rays in single precision stays whole, with a
+// note.
 Result<ExteriorScene> drop_interior(SnappedScene&& scene, BakeContext& context);
 
 }  // namespace zc

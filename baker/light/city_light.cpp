@@ -69,6 +69,7 @@ Box box_of(const NodeRecord& node, double step_m) {
 struct Region {
   std::vector<std::uint32_t> nodes;
   Box box;
+  LightFrame frame;
 };
 
 std::vector<Region> make_regions(std::span<const NodeRecord> nodes, double step_m) {
@@ -119,11 +120,14 @@ class CityLighter {
     for (std::uint32_t p = 0; p < detail_.parts.size(); ++p) {
       const LightDetail::Part& part = detail_.parts[p];
       part_of_[part.node] = p;
-      part_keys_.push_back(CacheKeyHasher()
-                               .add(bytes_of(detail_.corners, 3 * std::size_t{part.first}, 3 * std::size_t{part.count}))
-                               .add(bytes_of(detail_.albedo, part.first, part.count))
-                               .key());
+      const std::size_t first = 3 * std::size_t{part.first};
+      const std::size_t count = 3 * std::size_t{part.count};
+      CacheKeyHasher hash;
+      hash.add(bytes_of(detail_.corners, first, count)).add(bytes_of(detail_.albedo, part.first, part.count));
+      if (!detail_.exact.empty()) hash.add(bytes_of(detail_.exact, first, count));
+      part_keys_.push_back(hash.key());
     }
+    for (Region& region : regions_) region.frame = LightFrame::around(detail_, region.box.low, region.box.high);
   }
 
   Result<CityLight> run() {
@@ -150,9 +154,10 @@ class CityLighter {
     std::atomic<std::size_t> left = 0;
   };
 
-  CacheKeyHasher common(std::uint32_t what) const {
+  CacheKeyHasher common(std::uint32_t what, const LightFrame& frame) const {
     CacheKeyHasher hash;
-    hash.add(kVersion).add(what).add(step_m_).add(detail_.bias_m);
+    hash.add(kVersion).add(what).add(step_m_).add(frame.bias_m);
+    if (!detail_.exact.empty()) hash.add(frame.origin.x).add(frame.origin.y).add(frame.origin.z);
     return hash;
   }
 
@@ -177,7 +182,7 @@ class CityLighter {
       const Region& region = regions_[r];
       if (std::ranges::none_of(region.nodes, [&](std::uint32_t n) { return nodes_[n].is_detail(); })) continue;
       parts[r] = parts_near(region.box, 0, bounce_suns());
-      CacheKeyHasher around = common(0);
+      CacheKeyHasher around = common(0, region.frame);
       for (const std::uint32_t p : parts[r]) around.add(std::span<const std::uint64_t>(part_keys_[p]));
       const CacheKey around_key = around.key();
       for (const std::uint32_t node : region.nodes) {
@@ -213,7 +218,7 @@ class CityLighter {
     std::vector<std::vector<std::uint32_t>> parts(regions_.size());
     for (std::uint32_t r = 0; r < regions_.size(); ++r) {
       parts[r] = parts_near(regions_[r].box, kLightReachM, suns);
-      CacheKeyHasher around = common(1);
+      CacheKeyHasher around = common(1, regions_[r].frame);
       for (const glm::vec3& s : suns) around.add(s.x).add(s.y).add(s.z);
       for (const std::uint32_t p : parts[r])
         around.add(std::span<const std::uint64_t>(part_keys_[p]))
@@ -270,7 +275,8 @@ class CityLighter {
     for_each_on_threads(work.size(), context_.threads(), [&](std::size_t i) {
       SharedScene& shared = scenes.at(work[i].region);
       std::call_once(shared.once, [&] {
-        shared.scene.emplace(LightScene::build(*device_, detail_, parts[work[i].region]));
+        shared.scene.emplace(
+            LightScene::build(*device_, detail_, parts[work[i].region], regions_[work[i].region].frame));
         const std::lock_guard lock(mutex);
         if (!shared.scene->ok() && !failed) failed = shared.scene->error();
       });

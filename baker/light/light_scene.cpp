@@ -61,7 +61,10 @@ const std::array<glm::vec3, kBounceSuns>& bounce_suns() {
 LightDetail::LightDetail(std::span<const ZoneMesh> meshes, std::span<const NodeRecord> nodes,
                          std::span<const Material> materials, double step_m) {
   std::size_t triangles = 0;
-  for (const NodeRecord& node : nodes) triangles += node.is_detail() ? node.triangle_count : 0;
+  for (const NodeRecord& node : nodes) {
+    triangles += node.is_detail() ? node.triangle_count : 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) is_wide_ = is_wide_ || node.bounds_max[axis] * step_m > kWideWorldM;
+  }
   corners.reserve(3 * triangles + 1);  // Embree loads 16 bytes at the last corner
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     if (!nodes[n].is_detail()) continue;
@@ -71,12 +74,11 @@ LightDetail::LightDetail(std::span<const ZoneMesh> meshes, std::span<const NodeR
     part.first = static_cast<std::uint32_t>(normal.size());
     parts.push_back(part);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      std::array<glm::vec3, 3> triangle{};
+      std::array<glm::dvec3, 3> triangle{};
       for (std::size_t k = 0; k < 3; ++k)
         for (std::size_t axis = 0; axis < 3; ++axis) {
           const std::int64_t offset = std::int64_t{mesh.vertices[mesh.triangles[t][k]][axis]} << nodes[n].step_shift;
-          triangle[k][static_cast<int>(axis)] =
-              static_cast<float>(static_cast<double>(nodes[n].origin[axis] + offset) * step_m);
+          triangle[k][static_cast<int>(axis)] = static_cast<double>(nodes[n].origin[axis] + offset) * step_m;
         }
       add(triangle);
       albedo.push_back(materials[mesh.materials[t]].base_color);
@@ -89,25 +91,30 @@ LightDetail::LightDetail(const LatticeMesh& mesh, double step_m) {
   corners.reserve(3 * mesh.faces.size() + 1);
   parts.emplace_back();
   for (const LatticeFace& face : mesh.faces) {
-    std::array<glm::vec3, 3> triangle{};
-    for (std::size_t k = 0; k < 3; ++k)
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        triangle[k][static_cast<int>(axis)] =
-            static_cast<float>(static_cast<double>(mesh.vertices[face.v[k]][axis]) * step_m);
+    std::array<glm::dvec3, 3> triangle{};
+    for (std::size_t k = 0; k < 3; ++k) triangle[k] = to_dvec(mesh.vertices[face.v[k]]) * step_m;
     add(triangle);
   }
   finish();
 }
 
-void LightDetail::add(const std::array<glm::vec3, 3>& triangle) {
+void LightDetail::add(const std::array<glm::dvec3, 3>& triangle) {
   Part& part = parts.back();
-  if (part.count++ == 0) part.low = part.high = triangle[0];
-  for (const glm::vec3& p : triangle) {
-    part.low = glm::min(part.low, p);
-    part.high = glm::max(part.high, p);
-    corners.push_back(p);
+  const std::array<glm::vec3, 3> rounded = {triangle[0], triangle[1], triangle[2]};
+  if (part.count++ == 0) part.low = part.high = rounded[0];
+  for (std::size_t k = 0; k < 3; ++k) {
+    part.low = glm::min(part.low, rounded[k]);
+    part.high = glm::max(part.high, rounded[k]);
+    corners.push_back(rounded[k]);
+    if (is_wide_) exact.push_back(triangle[k]);
   }
-  normal.push_back(glm::normalize(glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0])));
+  const glm::vec3 of_rounded = glm::cross(rounded[1] - rounded[0], rounded[2] - rounded[0]);
+  if (!is_wide_ && of_rounded != glm::vec3(0)) {
+    normal.push_back(glm::normalize(of_rounded));
+    return;
+  }
+  const glm::dvec3 n = glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
+  normal.push_back(n == glm::dvec3(0) ? glm::vec3(0, 0, 1) : glm::vec3(glm::normalize(n)));
 }
 
 void LightDetail::finish() {
@@ -118,6 +125,15 @@ void LightDetail::finish() {
   }
   sunlight.resize(normal.size());
   bias_m = std::max(kMinBiasM, kBiasUlps * extent * std::numeric_limits<float>::epsilon());
+}
+
+LightFrame LightFrame::around(const LightDetail& detail, const glm::vec3& low, const glm::vec3& high) {
+  if (detail.exact.empty()) return {glm::dvec3(0), detail.bias_m};
+  const glm::dvec3 half = (glm::dvec3(high) - glm::dvec3(low)) * 0.5;
+  const auto extent = static_cast<float>(std::max({half.x, half.y, half.z}));
+  // Whole metres, so that nothing else is rounded.
+  return {glm::round(glm::dvec3(low) + half),
+          std::max(kMinBiasM, kBiasUlps * extent * std::numeric_limits<float>::epsilon())};
 }
 
 Result<LightDevice> LightDevice::create() {
@@ -140,13 +156,13 @@ struct LightScene::Handles {
   ~Handles() { rtcReleaseScene(scene); }
 };
 
-LightScene::LightScene(const LightDetail& detail) : detail_(&detail) {}
+LightScene::LightScene(const LightDetail& detail, const LightFrame& frame) : detail_(&detail), frame_(frame) {}
 LightScene::LightScene(LightScene&&) noexcept = default;
 LightScene::~LightScene() = default;
 
 Result<LightScene> LightScene::build(const LightDevice& device, const LightDetail& detail,
-                                     std::span<const std::uint32_t> parts) {
-  LightScene out(detail);
+                                     std::span<const std::uint32_t> parts, const LightFrame& frame) {
+  LightScene out(detail, frame);
   for (const std::uint32_t p : parts) {
     const LightDetail::Part& part = detail.parts[p];
     for (std::uint32_t i = 0; i < part.count; ++i) out.triangles_.push_back(part.first + i);
@@ -154,8 +170,13 @@ Result<LightScene> LightScene::build(const LightDevice& device, const LightDetai
   out.handles_ = std::make_unique<Handles>(device.handle());
   rtcSetSceneFlags(out.handles_->scene, RTC_SCENE_FLAG_ROBUST);
   out.cut_wasteful();
-  const bool is_cut = !out.piece_corners_.empty();
-  const std::vector<glm::vec3>& corners = is_cut ? out.piece_corners_ : detail.corners;
+  if (out.own_corners_.empty() && !detail.exact.empty()) {
+    out.own_corners_.reserve(3 * out.triangles_.size() + 1);  // Embree loads 16 bytes at the last corner
+    for (const std::uint32_t t : out.triangles_)
+      for (const glm::vec3& p : out.corners_of(t)) out.own_corners_.push_back(p);
+  }
+  const bool is_own = !out.own_corners_.empty();
+  const std::vector<glm::vec3>& corners = is_own ? out.own_corners_ : detail.corners;
   const RTCGeometry geometry = rtcNewGeometry(device.handle(), RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, corners.data(), 0,
                              sizeof(glm::vec3), corners.size());
@@ -163,7 +184,7 @@ Result<LightScene> LightScene::build(const LightDevice& device, const LightDetai
       geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), out.triangles_.size()));
   if (indices != nullptr)
     for (std::uint32_t i = 0; i < out.triangles_.size(); ++i)
-      for (std::uint32_t k = 0; k < 3; ++k) *indices++ = 3 * (is_cut ? i : out.triangles_[i]) + k;
+      for (std::uint32_t k = 0; k < 3; ++k) *indices++ = 3 * (is_own ? i : out.triangles_[i]) + k;
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(out.handles_->scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -180,7 +201,7 @@ Result<LightScene> LightScene::build(std::span<const ZoneMesh> meshes, std::span
   auto detail = std::make_unique<LightDetail>(meshes, nodes, materials, step_m);
   std::vector<std::uint32_t> parts(detail->parts.size());
   std::iota(parts.begin(), parts.end(), 0U);
-  ZC_ASSIGN(LightScene out, build(device, *detail, parts));
+  ZC_ASSIGN(LightScene out, build(device, *detail, parts, {glm::dvec3(0), detail->bias_m}));
   for_each_on_threads(detail->sunlight.size(), threads, [&](std::size_t t) {
     detail->sunlight[t] = out.measure_sunlight(static_cast<std::uint32_t>(t));
   });
@@ -189,36 +210,45 @@ Result<LightScene> LightScene::build(std::span<const ZoneMesh> meshes, std::span
   return out;
 }
 
+std::array<glm::vec3, 3> LightScene::corners_of(std::uint32_t triangle) const {
+  std::array<glm::vec3, 3> out{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t i = 3 * std::size_t{triangle} + k;
+    out[k] = detail_->exact.empty() ? detail_->corners[i] : glm::vec3(detail_->exact[i] - frame_.origin);
+  }
+  return out;
+}
+
 void LightScene::cut_wasteful() {
-  const auto corners_of = [&](std::size_t i) {
+  const auto piece_of = [&](std::size_t i) {
+    const std::array<glm::vec3, 3> corner = corners_of(triangles_[i]);
     Corners corners;
-    for (std::size_t k = 0; k < 3; ++k)
-      corners[k] = glm::dvec3(detail_->corners[3 * std::size_t{triangles_[i]} + k]) / kPieceStepM;
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = glm::dvec3(corner[k]) / kPieceStepM;
     return corners;
   };
   const std::size_t count = triangles_.size();
   LatticeBox bounds;
   double waste = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
-    const TrianglePiece whole(corners_of(i), i);
+    const TrianglePiece whole(piece_of(i), i);
     bounds.add(whole.box);
     waste += whole.waste;
   }
   if (waste <= kWasteLimit * half_surface(bounds)) return;
   const std::vector<TrianglePiece> pieces =
-      pieces_of(count, corners_of, half_surface(bounds) / static_cast<double>(count), count + kMorePieces);
+      pieces_of(count, piece_of, half_surface(bounds) / static_cast<double>(count), count + kMorePieces);
   std::vector<std::uint32_t> whole = std::move(triangles_);
   triangles_.clear();
-  piece_corners_.reserve(3 * pieces.size() + 1);  // Embree loads 16 bytes at the last corner
+  own_corners_.reserve(3 * pieces.size() + 1);  // Embree loads 16 bytes at the last corner
   for (const TrianglePiece& piece : pieces) {
     triangles_.push_back(whole[piece.triangle]);
-    for (const glm::dvec3& p : piece.corner) piece_corners_.emplace_back(p * kPieceStepM);
+    for (const glm::dvec3& p : piece.corner) own_corners_.emplace_back(p * kPieceStepM);
   }
 }
 
 LightDetail::Sunlight LightScene::measure_sunlight(std::uint32_t triangle) const {
   LightDetail::Sunlight out{};
-  const glm::vec3* corner = &detail_->corners[3 * std::size_t{triangle}];
+  const std::array<glm::vec3, 3> corner = corners_of(triangle);
   const glm::vec3& normal = detail_->normal[triangle];
   for (std::size_t k = 0; k < kBounceSuns; ++k) {
     const glm::vec3& sun = bounce_suns()[k];

@@ -125,7 +125,8 @@ class ZoneLight {
       for (int axis = 0; axis < 3; ++axis) {
         const auto at = static_cast<std::size_t>(axis);
         p[axis] = static_cast<float>(static_cast<double>(node.origin[at] + (std::int64_t{q[at]} << node.step_shift)) *
-                                     step_m);
+                                         step_m -
+                                     scene.origin()[axis]);
       }
       points_.push_back(p);
     }

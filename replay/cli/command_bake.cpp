@@ -14,6 +14,7 @@
 
 #include "baker/bake.h"
 #include "baker/import/import.h"
+#include "baker/import/stray_objects.h"
 #include "baker/scene/bake_cache.h"
 #include "base/file.h"
 #include "base/text.h"
@@ -112,6 +113,7 @@ Status run(const Arguments& arguments) {
   const std::vector<std::filesystem::path> inputs(arguments.inputs.begin(), arguments.inputs.end());
   ZC_ASSIGN(Scene scene, import_inputs(inputs, import));
   const std::chrono::duration<double> import_s = std::chrono::steady_clock::now() - started;
+  for (const std::string& line : describe_stray_objects(scene)) spdlog::warn("{}", line);
   Result<BakeReport> baked = bake_world(std::move(scene), import_s.count(), options, std::move(writer));
   if (!baked) {
     Error error = std::move(baked).error();  // of the scene as a whole: its first file stands for it

@@ -383,6 +383,41 @@ TEST_F(AdversarialBake, MillimetresBesideTensOfKilometres) {
   expect_bounds(maker.scene, 400, 1.75);  // where two borders cross, each with steps of a metre
 }
 
+// From millimetres to a country: light is baked too, and the sun reaches what nothing stands over.
+TEST_F(AdversarialBake, APlaneOfAMetreAPartOfMillimetresAndACountry) {
+  const auto expect_lit = [&](SceneMaker maker) {
+    maker.object(ObjectKind::kObject);
+    BakeOptions options;
+    options.sun = SunAngles{145, 60};
+    const auto report = bake_world(std::move(maker.scene), 0, options, folder_ / "lit");
+    ASSERT_TRUE(report.ok()) << report.error().describe();
+    EXPECT_GT(report->index.nodes.size(), 1U);
+    std::vector<StoredNode> nodes;
+    WorldIndex index;
+    ASSERT_NO_FATAL_FAILURE(read_nodes(folder_ / "lit", nodes, index));
+    for (const StoredNode& node : nodes) EXPECT_GT(node.triangles.size(), 0U);
+  };
+  SceneMaker plane;
+  plane.quad({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, 2);
+  expect_lit(plane);
+  SceneMaker part;
+  part.box({0, 0, 0}, {0.012, 0.012, 0.012});
+  expect_lit(part);
+  SceneMaker country;
+  const glm::dvec3 top(5e5, 5e5, 3000);
+  const std::array<glm::dvec3, 4> rim = {{{0, 0, 0}, {1e6, 0, 0}, {1e6, 1e6, 0}, {0, 1e6, 0}}};
+  for (std::size_t i = 0; i < 4; ++i) country.triangle(rim[i], rim[(i + 1) % 4], top, 2);
+  expect_lit(country);
+  SceneMaker cities;
+  cities.houses({0, 0, 0}, 2, 23.3);
+  cities.houses({1.8e6, 6.1e5, 0}, 2, 23.3);
+  for (int i = 0; i < 50; ++i) {
+    const glm::dvec3 p(1.8e6 + 0.37 * i, 6.1e5, 20);
+    cities.box(p, p + glm::dvec3(0.01 * (i + 1), 0.02, 0.03));
+  }
+  expect_lit(cities);
+}
+
 TEST_F(AdversarialBake, CoordinatesThatAreNoNumbersAreRefusedAndNameTheFault) {
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                            -std::numeric_limits<double>::infinity(), 1e300, -1e300, 1e18}) {

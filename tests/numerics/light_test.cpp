@@ -252,7 +252,7 @@ TEST(LightScene, LongTrianglesAskewAreHitAsTheyAre) {
   auto device = LightDevice::create();
   ASSERT_TRUE(device.ok());
   const std::uint32_t all = 0;
-  const auto scene = LightScene::build(*device, detail, std::span(&all, 1));
+  const auto scene = LightScene::build(*device, detail, std::span(&all, 1), {glm::dvec3(0), detail.bias_m});
   ASSERT_TRUE(scene.ok());
   EXPECT_GT(scene->primitives(), 4U * kBlades);
   for (std::uint32_t i = 0; i < kBlades; i += 3) {

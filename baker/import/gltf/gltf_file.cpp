@@ -363,6 +363,8 @@ Result<GltfFile> read_gltf(std::vector<std::byte> bytes, const std::string& path
     ZC_TRY(check_required(document, path));
     ZC_TRY(check_types(document, file));
     ZC_TRY(load_buffers(document, chunks.bin, is_glb, root, files, file));
+    file.stored_bytes = chunks.json.size();
+    for (const auto& buffer : file.buffers) file.stored_bytes += buffer.size();
     ZC_TRY(check_views(document, file));
     ZC_TRY(decode_meshopt_views(document, file));
     ZC_TRY(read_images(document, file));

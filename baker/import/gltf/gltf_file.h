@@ -34,6 +34,7 @@ struct GltfFile {
   std::string path;
   tinygltf::Model model;            // its buffers and images are empty: use the members below
   glm::dvec3 center{0};             // that positions are relative to, z up
+  std::uint64_t stored_bytes = 0;   // of the JSON and the buffers, as they are stored
   std::uint64_t morph_targets = 0;  // primitives that have any, left out of the model
   std::vector<GltfImage> images;
   std::vector<std::span<const std::byte>> buffers;

@@ -9,8 +9,6 @@ namespace zc {
 namespace {
 
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
-// Elements of an accessor that no bytes stand behind (all zero, then patched by its sparse part).
-constexpr std::size_t kMaxBareElements = std::size_t{1} << 24U;
 
 double component(const std::byte* at, int type) {
   const auto load = [at]<class T>(T value) {
@@ -108,20 +106,19 @@ std::vector<std::array<std::uint32_t, 3>> corners_of(int mode, std::uint32_t cou
 }  // namespace
 
 Result<std::vector<double>> read_accessor(const GltfFile& file, int index, int wanted_type, std::size_t components,
-                                          const std::string& where) {
+                                          const std::string& where, GltfBudget& budget) {
   if (index < 0 || static_cast<std::size_t>(index) >= file.model.accessors.size())
     return file.error(where + " names accessor " + std::to_string(index) + ", which does not exist");
   const tinygltf::Accessor& accessor = file.model.accessors[static_cast<std::size_t>(index)];
   const std::string place = where + ", accessor " + std::to_string(index);
   if (accessor.type != wanted_type) return file.error(place + " has the wrong type");
+  ZC_TRY(budget.read(accessor.count, accessor.bufferView < 0, place));
   std::vector<double> values;
   if (accessor.bufferView >= 0) {
     ZC_ASSIGN(values, read_elements(file, accessor.bufferView, accessor.byteOffset, accessor.componentType, components,
                                     accessor.count, place));
   } else {
     if (!accessor.sparse.isSparse) return file.error(place + " has no bufferView");
-    if (accessor.count > kMaxBareElements)
-      return file.error(place + " declares " + std::to_string(accessor.count) + " elements and contains none");
     values.assign(accessor.count * components, 0.0);
   }
   if (accessor.sparse.isSparse) ZC_TRY(apply_sparse(file, accessor, components, place, values));
@@ -145,16 +142,38 @@ double dequantised(double stored, int component_type, bool normalized) {
   }
 }
 
-Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, int texcoord,
-                                    const std::string& where) {
-  if (primitive.extensions.contains(kDraco)) return read_draco_primitive(file, primitive, texcoord, where);
+namespace {
+
+// Many primitives may share one accessor of positions, each using a few.
+void drop_unused(GltfGeometry& geometry) {
+  if (geometry.positions.size() <= 3 * geometry.triangles.size()) return;
+  constexpr std::uint32_t kUnused = UINT32_MAX;
+  std::vector<std::uint32_t> place(geometry.positions.size(), kUnused);
+  GltfGeometry used;
+  for (auto& triangle : geometry.triangles)
+    for (std::uint32_t& corner : triangle) {
+      if (place[corner] == kUnused) {
+        place[corner] = static_cast<std::uint32_t>(used.positions.size());
+        used.positions.push_back(geometry.positions[corner]);
+        if (!geometry.texcoords.empty()) used.texcoords.push_back(geometry.texcoords[corner]);
+        if (!geometry.colors.empty()) used.colors.push_back(geometry.colors[corner]);
+      }
+      corner = place[corner];
+    }
+  geometry.positions = std::move(used.positions);
+  geometry.texcoords = std::move(used.texcoords);
+  geometry.colors = std::move(used.colors);
+}
+
+Result<GltfGeometry> read_plain_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, int texcoord,
+                                          const std::string& where, GltfBudget& budget) {
   GltfGeometry geometry;
   const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
   if (mode > TINYGLTF_MODE_TRIANGLE_FAN) return file.error(where + " has mode " + std::to_string(mode));
   const auto position = primitive.attributes.find("POSITION");
   if (mode < TINYGLTF_MODE_TRIANGLES || position == primitive.attributes.end()) return geometry;
   ZC_ASSIGN(const std::vector<double> values,
-            read_accessor(file, position->second, TINYGLTF_TYPE_VEC3, 3, where + " POSITION"));
+            read_accessor(file, position->second, TINYGLTF_TYPE_VEC3, 3, where + " POSITION", budget));
   const std::size_t count = values.size() / 3;
   geometry.positions.reserve(count);
   for (std::size_t i = 0; i < count; ++i)
@@ -162,7 +181,7 @@ Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primit
   const std::string texcoord_name = "TEXCOORD_" + std::to_string(texcoord);
   if (const auto at = primitive.attributes.find(texcoord_name); texcoord >= 0 && at != primitive.attributes.end()) {
     ZC_ASSIGN(const std::vector<double> uv,
-              read_accessor(file, at->second, TINYGLTF_TYPE_VEC2, 2, where + " " + texcoord_name));
+              read_accessor(file, at->second, TINYGLTF_TYPE_VEC2, 2, where + " " + texcoord_name, budget));
     if (uv.size() != 2 * count) return file.error(where + " has not as many texture coordinates as positions");
     for (std::size_t i = 0; i < count; ++i) geometry.texcoords.emplace_back(uv[2 * i], uv[2 * i + 1]);
   }
@@ -171,9 +190,9 @@ Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primit
     const bool alpha = at->second >= 0 && static_cast<std::size_t>(at->second) < file.model.accessors.size() &&
                        file.model.accessors[static_cast<std::size_t>(at->second)].type == TINYGLTF_TYPE_VEC4;
     const std::size_t parts = alpha ? 4 : 3;
-    ZC_ASSIGN(
-        const std::vector<double> rgb,
-        read_accessor(file, at->second, alpha ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3, parts, where + " COLOR_0"));
+    ZC_ASSIGN(const std::vector<double> rgb,
+              read_accessor(file, at->second, alpha ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3, parts,
+                            where + " COLOR_0", budget));
     if (rgb.size() != parts * count) return file.error(where + " has not as many colours as positions");
     for (std::size_t i = 0; i < count; ++i)
       geometry.colors.emplace_back(rgb[parts * i], rgb[parts * i + 1], rgb[parts * i + 2]);
@@ -181,7 +200,7 @@ Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primit
 
   std::optional<std::vector<double>> indices;
   if (primitive.indices >= 0) {
-    ZC_ASSIGN(indices, read_accessor(file, primitive.indices, TINYGLTF_TYPE_SCALAR, 1, where + " indices"));
+    ZC_ASSIGN(indices, read_accessor(file, primitive.indices, TINYGLTF_TYPE_SCALAR, 1, where + " indices", budget));
     for (const double index : *indices)
       if (!(index >= 0) || index >= static_cast<double>(count))
         return file.error(where + ": vertex index " + std::to_string(static_cast<std::int64_t>(index)) +
@@ -194,6 +213,18 @@ Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primit
   if (indices)
     for (auto& triangle : geometry.triangles)
       for (std::uint32_t& corner : triangle) corner = static_cast<std::uint32_t>((*indices)[corner]);
+  return geometry;
+}
+
+}  // namespace
+
+Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, int texcoord,
+                                    const std::string& where, GltfBudget& budget) {
+  ZC_ASSIGN(GltfGeometry geometry, primitive.extensions.contains(kDraco)
+                                       ? read_draco_primitive(file, primitive, texcoord, where)
+                                       : read_plain_primitive(file, primitive, texcoord, where, budget));
+  drop_unused(geometry);
+  ZC_TRY(budget.keep(geometry.positions.size() + geometry.triangles.size(), where));
   return geometry;
 }
 

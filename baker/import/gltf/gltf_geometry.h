@@ -9,6 +9,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "baker/import/gltf/gltf_budget.h"
 #include "baker/import/gltf/gltf_file.h"
 
 namespace zc {
@@ -21,14 +22,14 @@ struct GltfGeometry {
   std::uint32_t loose_corners = 0;   // of a list, behind its last whole triangle
 };
 
-// Empty for primitives of points or lines. texcoord: which TEXCOORD_ is read where there is one; negative: none.
-// `where` names the primitive in errors.
+// Empty for primitives of points or lines; without positions that no triangle uses where those are the most. texcoord:
+// which TEXCOORD_ is read where there is one; negative: none. `where` names the primitive in errors.
 Result<GltfGeometry> read_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, int texcoord,
-                                    const std::string& where);
+                                    const std::string& where, GltfBudget& budget);
 
 // Numbers of an accessor, components of an element after each other; normalised ones as KHR_mesh_quantization defines.
 Result<std::vector<double>> read_accessor(const GltfFile& file, int index, int wanted_type, std::size_t components,
-                                          const std::string& where);
+                                          const std::string& where, GltfBudget& budget);
 
 // The KHR_draco_mesh_compression extension of a primitive that has it.
 Result<GltfGeometry> read_draco_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, int texcoord,

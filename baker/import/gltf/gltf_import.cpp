@@ -19,9 +19,6 @@
 namespace zc {
 namespace {
 
-// Of one node's instances together: every one becomes an object of its own.
-constexpr std::uint64_t kMaxInstancedTriangles = std::uint64_t{1} << 28U;
-
 // Turns the axis to z. Columns.
 glm::dmat4 upright(UpAxis up) {
   switch (up) {
@@ -71,7 +68,12 @@ Result<glm::dmat4> local_transform(const GltfFile& file, const tinygltf::Node& n
 class GltfImport {
  public:
   GltfImport(const GltfFile& file, const GltfPlace& place, TextureImages& images, SceneBuilder& builder)
-      : file_(file), place_(place), images_(images), builder_(builder), meshes_(file.model.meshes.size()) {}
+      : file_(file),
+        place_(place),
+        images_(images),
+        builder_(builder),
+        budget_(file.path, file.stored_bytes),
+        meshes_(file.model.meshes.size()) {}
 
   Status run() {
     if (file_.morph_targets > 0)
@@ -139,22 +141,22 @@ class GltfImport {
     if (!meshes_[mesh_index]) ZC_TRY(load_mesh(mesh_index));
     if (node.skin >= 0) builder_.note("skinned glTF meshes, shown as they were modelled");
     const auto instancing = node.extensions.find("EXT_mesh_gpu_instancing");
-    if (instancing == node.extensions.end()) return add_object(id, node.mesh, world);
-    ZC_ASSIGN(const std::vector<glm::dmat4> places, instances(instancing->second, index));
     std::uint64_t triangles = 0;
     for (const Part& part : *meshes_[mesh_index]) triangles += part.geometry.triangles.size();
-    if (triangles * places.size() > kMaxInstancedTriangles)
-      return Error{ErrorCode::kUnsupported,
-                   "node " + std::to_string(index) + " draws " + std::to_string(places.size()) + " instances of " +
-                       std::to_string(triangles) + " triangles",
-                   file_.path};
+    const std::string where = "node " + std::to_string(index);
+    if (instancing == node.extensions.end()) {
+      ZC_TRY(budget_.draw(triangles, 1, where));
+      return add_object(id, node.mesh, world);
+    }
+    ZC_ASSIGN(const std::vector<glm::dmat4> places, instances(instancing->second, index));
+    ZC_TRY(budget_.draw(triangles, places.size(), where));
     for (std::size_t i = 0; i < places.size(); ++i)
       ZC_TRY(add_object(id + "_" + std::to_string(i), node.mesh, world * places[i]));
     return {};
   }
 
   // EXT_mesh_gpu_instancing: where each instance stands in the node's frame.
-  [[nodiscard]] Result<std::vector<glm::dmat4>> instances(const tinygltf::Value& extension, std::size_t node) const {
+  [[nodiscard]] Result<std::vector<glm::dmat4>> instances(const tinygltf::Value& extension, std::size_t node) {
     const std::string where = "node " + std::to_string(node) + " EXT_mesh_gpu_instancing";
     const tinygltf::Value& attributes = extension.Get("attributes");
     std::optional<std::size_t> count;
@@ -162,7 +164,7 @@ class GltfImport {
       const tinygltf::Value& accessor = attributes.Get(name);
       if (!accessor.IsInt()) return std::vector<double>{};
       ZC_ASSIGN(std::vector<double> values,
-                read_accessor(file_, accessor.GetNumberAsInt(), type, components, where + " " + name));
+                read_accessor(file_, accessor.GetNumberAsInt(), type, components, where + " " + name, budget_));
       if (count && *count != values.size() / components) return file_.error(where + " has lists of different lengths");
       count = values.size() / components;
       return values;
@@ -218,7 +220,7 @@ class GltfImport {
       const std::string where = "mesh " + std::to_string(mesh_index) + " primitive " + std::to_string(i);
       Part part;
       ZC_ASSIGN(const Appearance appearance, appearance_of(mesh.primitives[i].material, where));
-      ZC_ASSIGN(part.geometry, read_primitive(file_, mesh.primitives[i], appearance.texcoord, where));
+      ZC_ASSIGN(part.geometry, read_primitive(file_, mesh.primitives[i], appearance.texcoord, where, budget_));
       if (part.geometry.loose_corners > 0)
         builder_.note("corners behind the last whole triangle of a list, left out", part.geometry.loose_corners);
       if (part.geometry.triangles.empty()) {
@@ -428,6 +430,7 @@ class GltfImport {
   const GltfPlace& place_;
   TextureImages& images_;
   SceneBuilder& builder_;
+  GltfBudget budget_;
   std::vector<std::optional<std::vector<Part>>> meshes_;  // decoded once, shared by the nodes that draw them
 };
 

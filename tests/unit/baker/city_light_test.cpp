@@ -55,6 +55,22 @@ class Town {
     finish(details_first());
   }
 
+  // A house with details of centimetres so far to the east, on a leaf of its own.
+  void add_far_house(std::int32_t east) {
+    const std::size_t leaf = add_node(0, 0, 0, 1, 1);
+    const std::size_t detail = add_node(static_cast<std::int32_t>(leaf), 0, 0, 1, 2);
+    nodes_[detail].flags = kNodeDetail;
+    box(meshes_[detail], {3000, 3000, 0}, {6000, 6000, 2000});
+    for (std::uint16_t i = 0; i < 20; ++i) {
+      const auto x = static_cast<std::uint16_t>(3000 + 37 * i);
+      box(meshes_[detail], {x, 3000, 2000}, {static_cast<std::uint16_t>(x + 1 + i), 3004, 2009});
+    }
+    for (const std::size_t n : {leaf, detail}) {
+      nodes_[n].origin[0] = east;
+      finish(n);
+    }
+  }
+
   Result<CityLight> light(BakeCache& cache, const std::optional<SunAngles>& sun, unsigned threads = 2) const {
     std::size_t reports = 0;
     BakeContext context(threads, [&](double, std::string_view) { ++reports; });
@@ -130,6 +146,33 @@ TEST(CityLight, RegionsSeeAllThatTheWholeCityWouldShowThem) {
       EXPECT_EQ(different(light->zones[n], bake_zone_light(town.meshes_[n], town.nodes_[n], *scene, sun, kStepM)), 0U)
           << "node " << n;
   }
+}
+
+// What single precision cannot separate 2,000 km from the anchor has a normal and a frame all the same.
+TEST(CityLight, AHouseFarAwayChangesNoLightAndHasItsOwn) {
+  const Town near(3);
+  Town wide = near;
+  wide.add_far_house(2'000'000 * 256);
+  Town beside = near;
+  beside.add_far_house(10'000 * 256);
+  BakeCache cache;
+  const auto of_near = near.light(cache, kLowSun);
+  const auto of_wide = wide.light(cache, kLowSun);
+  const auto of_beside = beside.light(cache, kLowSun);
+  ASSERT_TRUE(of_near.ok() && of_wide.ok() && of_beside.ok());
+  const auto sky_apart = [](const std::vector<gpu::TriangleLight>& a, const std::vector<gpu::TriangleLight>& b) {
+    EXPECT_EQ(a.size(), b.size());
+    double apart = 0;
+    for (std::size_t t = 0; t < std::min(a.size(), b.size()); ++t)
+      for (std::size_t k = 0; k < 3; ++k)
+        apart += std::abs(static_cast<double>(a[t].sky >> 8 * k & 255U) - (b[t].sky >> 8 * k & 255U)) / (255 * 3);
+    return apart / static_cast<double>(std::max<std::size_t>(a.size(), 1));
+  };
+  for (std::size_t n = 0; n < near.nodes_.size(); ++n) {
+    if (!near.nodes_[n].is_detail()) continue;
+    EXPECT_LT(sky_apart(of_near->zones[n], of_wide->zones[n]), 0.01) << "node " << n;
+  }
+  EXPECT_LT(sky_apart(of_beside->zones.back(), of_wide->zones.back()), 0.02);
 }
 
 TEST(CityLight, AChangeIsFeltOnlyWithinReachAndGivesWhatABakeFromNothingGives) {

@@ -149,6 +149,30 @@ TEST(Cut, WhatLiesOverEachOtherIsNotMultiplied) {
 
 // Houses far from each other on two large triangles of ground: zones are split until their steps are fine, however few
 // triangles they hold.
+// A fan to one vertex 1,000 km away, beside a row of houses: its triangles lie side by side however small the cells
+// are.
+TEST(Cut, AFanToOneFarVertexIsNotChopped) {
+  SceneMaker maker;
+  constexpr int kFan = 200;
+  for (int i = 0; i < kFan; ++i)
+    maker.triangle({i * 0.1, 0, 0}, {(i + 1) * 0.1, 0, 0}, {30, 1e6, 0}, static_cast<std::uint16_t>(2 + i % 2));
+  maker.object(ObjectKind::kGround);
+  for (int i = 0; i < 50; ++i) {
+    maker.box({20.0 * i, 0, 0}, {20.0 * i + 10, 10, 8});
+    maker.object(ObjectKind::kObject);
+  }
+  const CutScene scene = test::cut(snapped(std::move(maker.scene)), 64);
+  std::size_t faces = 0;
+  std::size_t leaves = 0;
+  for (const Zone& zone : scene.tree.zones) {
+    faces += zone.detail.faces.size();
+    leaves += zone.children.empty() ? 1 : 0;
+  }
+  EXPECT_GT(leaves, 16U);  // the houses have zones of their own all the same
+  EXPECT_LT(leaves, 400U);
+  EXPECT_LT(faces, 100'000U);
+}
+
 TEST(Cut, ZonesOfFewTrianglesAreSplitUntilTheirStepIsFine) {
   SceneMaker maker;
   maker.triangle({0, 0, 0}, {9000, 0, 5}, {9000, 9000, 0}, 0);

@@ -76,6 +76,19 @@ TEST(Exterior, OfABoxInABoxTheOuterOneStays) {
   }
 }
 
+// Rays in single precision would start metres off the faces there.
+TEST(Exterior, AWorldTooWideForRaysStaysWhole) {
+  test::SceneMaker maker;
+  closed_box(maker, {0, 0, 0}, {10, 10, 10});
+  closed_box(maker, {1, 1, 1}, {9, 9, 9});
+  closed_box(maker, {1.9e6, 0, 0}, {1.9e6 + 10, 10, 10});
+  const auto out = exterior_of(maker);
+  ASSERT_TRUE(out.ok());
+  EXPECT_EQ(out->dropped, 0U);
+  ASSERT_EQ(out->scene.notes.size(), 1U);
+  EXPECT_EQ(out->scene.notes[0].count, 36U);
+}
+
 TEST(Exterior, ARoomWithAnOpenWindowStaysAndSoDoesWhatStandsInIt) {
   for (const double opening_m : {1.0, 0.2}) {
     for (const bool pane : {false, true}) {

@@ -416,6 +416,94 @@ TEST_F(Gltf, InstancesAreObjectsOfTheirOwn) {
   EXPECT_FALSE(import_text("uneven.glb", glb(json, bin)).ok());
 }
 
+// Any number of times the same accessors, meshes and zeros: a file may grow, but not without a bound.
+TEST_F(Gltf, WhatAFileGrowsToIsBoundedAsAWhole) {
+  const auto refused = [&](const std::string& json, const std::string& bin, const std::string& words) {
+    const auto scene = import_text("grows.glb", glb(json, bin));
+    ASSERT_FALSE(scene.ok());
+    EXPECT_NE(scene.error().message.find(words), std::string::npos) << scene.error().message;
+    EXPECT_NE(scene.error().message.find("a glTF file of "), std::string::npos) << scene.error().message;
+    EXPECT_EQ(scene.error().message.find('\n'), std::string::npos);
+  };
+  // One accessor of zeros, of ten primitives.
+  std::string primitives;
+  for (int i = 0; i < 10; ++i) primitives += std::string(i > 0 ? "," : "") + R"({"attributes":{"POSITION":0}})";
+  const std::string zeros =
+      R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)" +
+      primitives +
+      R"(]}],"accessors":[{"componentType":5126,"count":300000,"type":"VEC3","sparse":{"count":1,)"
+      R"("indices":{"bufferView":0,"componentType":5121},"values":{"bufferView":0}}}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":64}],"buffers":[{"byteLength":64}]})";
+  refused(zeros, std::string(64, '\0'), "primitive 3 POSITION, accessor 0 has 300000 more elements without bytes");
+
+  // 900 nodes of one mesh of 5000 triangles.
+  std::string nodes;
+  std::string roots;
+  for (int i = 0; i < 900; ++i) {
+    nodes += std::string(i > 0 ? "," : "") + R"({"mesh":0})";
+    roots += (i > 0 ? "," : "") + std::to_string(i);
+  }
+  std::string bin = floats({0, 0, 0, 0, 0, 2, 2, 0, 0});
+  for (int i = 0; i < 5000; ++i) bin += std::string("\0\1\2", 3);
+  const std::string shown = R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[)" + roots + R"(]}],"nodes":[)" + nodes +
+                            R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+                            R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},)"
+                            R"({"bufferView":1,"componentType":5121,"count":15000,"type":"SCALAR"}],)"
+                            R"("bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,)"
+                            R"("byteLength":15000}],"buffers":[{"byteLength":15036}]})";
+  refused(shown, bin, "shows 5000 triangles 1 time, after ");
+}
+
+// 400 trees of 2000 triangles: more than the file has bytes.
+TEST_F(Gltf, AnAvenueOfInstancedTreesIsRead) {
+  constexpr int kTrees = 400;
+  constexpr int kTriangles = 2000;
+  std::string bin = floats({0, 0, 0, 0, 0, 2, 2, 0, 0});
+  for (int i = 0; i < kTriangles; ++i) bin += std::string("\0\1\2", 3);
+  for (int i = 0; i < kTrees; ++i) bin += floats({10.0F * static_cast<float>(i), 0, 0});
+  const std::string indices = std::to_string(3 * kTriangles);
+  const std::string places = std::to_string(12 * kTrees);
+  const auto scene = import_text(
+      "avenue.glb",
+      glb(R"({"asset":{"version":"2.0"},"extensionsUsed":["EXT_mesh_gpu_instancing"],"scenes":[{"nodes":[0]}],)"
+          R"("nodes":[{"mesh":0,"name":"tree","extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":2}}}}],)"
+          R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+          R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},)"
+          R"({"bufferView":1,"componentType":5121,"count":)" +
+              indices + R"(,"type":"SCALAR"},{"bufferView":2,"componentType":5126,"count":)" + std::to_string(kTrees) +
+              R"(,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":)" +
+              indices + R"(},{"buffer":0,"byteOffset":)" + std::to_string(36 + 3 * kTriangles) + R"(,"byteLength":)" +
+              places + R"(}],"buffers":[{"byteLength":)" + std::to_string(bin.size()) + "}]}",
+          bin));
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  EXPECT_EQ(scene->objects.size(), std::size_t{kTrees});
+  EXPECT_EQ(scene->triangles.size(), std::size_t{kTrees} * kTriangles);
+}
+
+// As exporters write it: one list of positions, of which each primitive uses its part.
+TEST_F(Gltf, PrimitivesThatShareTheirPositionsKeepTheirOwn) {
+  std::string bin;
+  for (int i = 0; i < 12; ++i) bin += floats({static_cast<float>(i), 0, static_cast<float>(i * i)});
+  bin += shorts({2, 1, 0, 11, 9, 10});
+  const auto scene = import_text(
+      "shared.glb",
+      glb(R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)"
+          R"({"attributes":{"POSITION":0},"indices":1},{"attributes":{"POSITION":0},"indices":2}]}],)"
+          R"("accessors":[{"bufferView":0,"componentType":5126,"count":12,"type":"VEC3"},)"
+          R"({"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"},)"
+          R"({"bufferView":1,"byteOffset":6,"componentType":5123,"count":3,"type":"SCALAR"}],)"
+          R"("bufferViews":[{"buffer":0,"byteLength":144},{"buffer":0,"byteOffset":144,"byteLength":12}],)"
+          R"("buffers":[{"byteLength":156}]})",
+          bin));
+  ASSERT_TRUE(scene.ok()) << scene.error().describe();
+  ASSERT_EQ(scene->triangles.size(), 2U);
+  ASSERT_EQ(scene->positions.size(), 6U);
+  EXPECT_EQ(scene->positions[0], glm::dvec3(2, -4, 0));
+  EXPECT_EQ(scene->positions[2], glm::dvec3(0, 0, 0));
+  EXPECT_EQ(scene->positions[3], glm::dvec3(11, -121, 0));
+  EXPECT_EQ(scene->positions[5], glm::dvec3(10, -100, 0));
+}
+
 TEST_F(Gltf, WhatIsNotHandledIsNamed) {
   const auto scene = import_text(
       "ext.glb", glb(triangle_json(R"("mesh":0)", R"("extensionsRequired":["EXT_no_such_thing"],)"), triangle_bin()));
