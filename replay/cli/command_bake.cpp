@@ -83,8 +83,8 @@ void print_summary(const Arguments& arguments, const BakeReport& report, bool re
   if (reused) std::cout << " (" << report.proxies_reused << " proxies as before)";
   std::cout << ", " << std::fixed << std::setprecision(1) << report.seconds.total << " s, peak memory "
             << format_bytes(report.peak_rss_bytes) << '\n'
-            << std::setprecision(report.reflecting_share < 0.1 ? 2 : 0) << 100 * report.reflecting_share
-            << " % of the surface reflects"
+            << std::setprecision(report.reflecting_share > 0 && report.reflecting_share < 0.1 ? 2 : 0)
+            << 100 * report.reflecting_share << " % of the surface reflects"
             << (report.reflecting_share > 0 ? "" : ": --wet or --materials makes a world that does") << '\n';
 }
 
