@@ -10,9 +10,12 @@
 #include <exception>
 #include <iostream>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "base/platform.h"
 #include "base/text.h"
+#include "replay/cli/command_words.h"
 #include "replay/cli/commands.h"
 #include "replay/cli/help_format.h"
 
@@ -51,9 +54,16 @@ int run(int argc, char** argv) {
   // Behind the commands, which would take it over.
   app.footer(
       "--json [FILE] of every command that reports: with FILE the report goes there as JSON, and the text to standard "
-      "output; without, the JSON goes to standard output alone. Exit codes: 0 success, 1 failure, 2 bad arguments.");
+      "output; without, the JSON goes to standard output alone. `help COMMAND` is `COMMAND --help`. Exit codes: 0 "
+      "success, "
+      "1 failure, 2 bad arguments.");
+  zc::Result<std::vector<std::string>> words = zc::resolve_command(app, {argv + 1, argv + argc});
+  if (!words) {
+    std::cerr << "zonecast: " << zc::printable(words.error().message) << '\n';
+    return 2;
+  }
   try {
-    app.parse(argc, argv);
+    app.parse(std::vector<std::string>(words->rbegin(), words->rend()));  // it takes them from the back
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     std::cerr << "zonecast: " << zc::printable(error.what()) << '\n';

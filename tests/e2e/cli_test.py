@@ -111,10 +111,31 @@ class Help(support.Case):
                     self.assertLessEqual(taken, OPTION_LINES)
 
     def test_the_report_is_explained_once(self):
-        self.assertIn("--json [FILE]", self.zonecast("--help").splitlines()[-2])
+        self.assertIn("--json [FILE]", "\n".join(self.zonecast("--help").splitlines()[-3:]))
         for command in REPORTS:
             with self.subTest(command=command):
                 self.assertEqual(self.zonecast(*command, "--help").count("--json [FILE]"), 1)
+
+
+
+class Words(support.Case):
+    def refusal(self, *words):
+        done = subprocess.run([support.BINARY, *words], capture_output=True, text=True, check=False)
+        self.assertEqual((done.returncode, done.stdout), (2, ""), words)
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+        return done.stderr
+
+    def test_a_command_that_there_is_none_of_is_named_with_the_nearest(self):
+        self.assertIn("'bkae' is no command; did you mean 'bake'?", self.refusal("bkae", "a.gml"))
+        self.assertIn("'bench pagin' is no command; did you mean 'paging'?", self.refusal("bench", "pagin"))
+        self.assertIn("'frobnicate' is no command; there are generate, bake,", self.refusal("frobnicate"))
+        self.assertIn("'hlep' is no command", self.refusal("hlep"))
+
+    def test_help_of_a_command_is_its_help(self):
+        self.assertEqual(self.zonecast("help"), self.zonecast("--help"))
+        for command in COMMANDS[1:]:
+            self.assertEqual(self.zonecast("help", *command), self.zonecast(*command, "--help"), command)
+        self.assertIn("'bkae' is no command", self.refusal("help", "bkae"))
 
 
 if __name__ == "__main__":
