@@ -24,7 +24,7 @@ struct ImportOptions {
   std::optional<double> ground_plane_z_m;  // else at the lowest point
 };
 
-// Reads every input (told apart by content, not by extension) and merges them into one scene, in order. Folders and
+// Reads every input (its format by content, not by extension) and merges them into one scene, in order. Folders and
 // archives give their models in the order of their paths; what in them is no city model is noted. A pipe, or "-"
 // for standard input, gives CityJSONSeq, which is not kept in memory; its images lie in the current folder.
 // A web address gives 3D Tiles.

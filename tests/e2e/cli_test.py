@@ -117,7 +117,6 @@ class Help(support.Case):
                 self.assertEqual(self.zonecast(*command, "--help").count("--json [FILE]"), 1)
 
 
-
 class Words(support.Case):
     def refusal(self, *words):
         done = subprocess.run([support.BINARY, *words], capture_output=True, text=True, check=False)

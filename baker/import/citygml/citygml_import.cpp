@@ -207,7 +207,8 @@ Status check_depth(const pugi::xml_node& model, const std::string& path) {
 
 }  // namespace
 
-// What a parser would pass over before it, so that a file need not be parsed, or even be well formed, to be told apart.
+// What a parser would pass over before it, so that a file need not be parsed, or even be well formed, for its format to
+// be recognised.
 std::string root_of_xml(std::string_view begin) {
   for (std::size_t at = begin.find('<'); at != std::string_view::npos; at = begin.find('<', at)) {
     const std::string_view rest = begin.substr(at);

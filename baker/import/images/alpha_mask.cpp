@@ -156,7 +156,7 @@ double AlphaMask::kept_share(std::size_t l, double limit) const {
   return area / (static_cast<double>(level.width - 1) * (level.height - 1));
 }
 
-// Of the finest level what is told; of the others what leaves as much, by bisection. No texel lies on it.
+// Of the finest level the one that is asked for; of the others what leaves as much, by bisection. No texel lies on it.
 double AlphaMask::limit_of(std::size_t level, float cutoff) const {
   const double finest = std::max(1.0, std::ceil(cutoff * 255.0)) - 0.5;
   if (level == 0) return finest;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Contents of 3D Tiles into the scene, told apart by their first bytes: b3dm, i3dm, cmpt, GLB, glTF. Points and vectors
+// Contents of 3D Tiles into the scene, recognised by their first bytes: b3dm, i3dm, cmpt, GLB, glTF. Points and vectors
 // (pnts, vctr, geom) are counted in the notes. Source: OGC 22-025r4 (3D Tiles 1.1), sections 10 and 12.
 // Borrows all it is given. Untrusted input. Not thread-safe.
 #pragma once

@@ -11,7 +11,7 @@
 
 namespace zc {
 
-// Of what a file unpacks to: a few bytes may be told to become any number.
+// Of what a file unpacks to: a few bytes may unpack to any number.
 inline constexpr std::uint64_t kMaxUnpackedBytes = std::uint64_t{1} << 28U;
 
 class TileFiles {

@@ -18,7 +18,7 @@
 
 namespace zc {
 
-// Tiles that are told by bits instead of one by one.
+// Tiles that bits describe instead of one entry each.
 struct ImplicitTiling {
   std::uint32_t branching = 4;  // children of a tile: 4 or 8
   std::uint32_t levels = 0;     // 0 to levels - 1 may have tiles

@@ -10,16 +10,6 @@ namespace {
 
 class Gltf : public ImportTest {
  protected:
-  static std::string floats(std::initializer_list<float> values) {
-    std::string bytes;
-    for (const float value : values) append(bytes, value);
-    return bytes;
-  }
-  static std::string shorts(std::initializer_list<std::uint16_t> values) {
-    std::string bytes;
-    for (const std::uint16_t value : values) append(bytes, value);
-    return bytes;
-  }
   // One indexed triangle in the xz plane (the floor of glTF), facing up.
   static std::string triangle_bin() { return floats({0, 0, 0, 0, 0, 2, 2, 0, 0}) + shorts({0, 1, 2}); }
   static std::string triangle_json(const std::string& node = R"("mesh":0)", const std::string& more = "") {

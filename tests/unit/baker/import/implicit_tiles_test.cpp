@@ -36,7 +36,7 @@ class ImplicitTiles : public Tiles {
   }
 };
 
-// Two levels: the root and, in Morton order, (0,0), (1,0), (0,1), (1,1); the bits of each are told, lowest first.
+// Two levels: the root and, in Morton order, (0,0), (1,0), (0,1), (1,1); the bits of each are listed, lowest first.
 TEST_F(ImplicitTiles, QuadtreesShowTheFinestWhereTilesReplaceAndAllWhereTheyAdd) {
   write_models({"0_0_0", "1_1_0", "1_0_1"});
   // Tiles: root, (1,0), (0,1), (1,1). Contents: root, (1,0), (0,1).

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <glm/geometric.hpp>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
@@ -31,7 +32,7 @@ class ImportTest : public ::testing::Test {
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   std::filesystem::path write(const std::string& name, std::string_view bytes) const {
-    const auto path = folder_ / name;
+    auto path = folder_ / name;
     std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     return path;
   }
@@ -111,6 +112,18 @@ inline std::string glb(std::string json, std::string bin) {
   append(file, static_cast<std::uint32_t>(bin.size()));
   append(file, std::uint32_t{0x004E4942});
   return file + bin;
+}
+
+inline std::string floats(std::initializer_list<float> values) {
+  std::string bytes;
+  for (const float value : values) append(bytes, value);
+  return bytes;
+}
+
+inline std::string shorts(std::initializer_list<std::uint16_t> values) {
+  std::string bytes;
+  for (const std::uint16_t value : values) append(bytes, value);
+  return bytes;
 }
 
 }  // namespace zc::test

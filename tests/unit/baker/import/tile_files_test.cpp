@@ -6,6 +6,7 @@
 
 #include <map>
 
+#include "tests/unit/baker/import/deflated.h"
 #include "tests/unit/baker/import/tiles_support.h"
 
 namespace zc::test {
@@ -13,28 +14,12 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-std::string compressed(const std::string& text, int window) {
-  z_stream stream = {};
-  EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, window, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string out(text.size() + 1000, '\0');
-  std::string in = text;
-  stream.next_in = reinterpret_cast<Bytef*>(in.data());
-  stream.avail_in = static_cast<uInt>(in.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
-}
-std::string gzipped(const std::string& text) { return compressed(text, 15 + 16); }
-
 // ZIP by the letter of APPNOTE 6.3.9: a local header before each file, then the directory, then its end.
 class Zip {
  public:
   void add(const std::string& name, std::uint16_t method, const std::string& text) {
     std::string packed = text;
-    if (method == 8) packed = compressed(text, -15);
+    if (method == 8) packed = deflated(text, -15);
     if (method == 93) {
       packed.resize(ZSTD_compressBound(text.size()));
       packed.resize(ZSTD_compress(packed.data(), packed.size(), text.data(), text.size(), 3));

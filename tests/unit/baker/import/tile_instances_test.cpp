@@ -11,16 +11,6 @@ namespace {
 
 class TileInstances : public Tiles {
  protected:
-  static std::string floats(std::initializer_list<float> values) {
-    std::string bytes;
-    for (const float value : values) append(bytes, value);
-    return bytes;
-  }
-  static std::string shorts(std::initializer_list<std::uint16_t> values) {
-    std::string bytes;
-    for (const std::uint16_t value : values) append(bytes, value);
-    return bytes;
-  }
   Scene instances(const std::string& features, const std::string& binary) const {
     write("a.i3dm", i3dm(features, binary, model()));
     return shown(tileset(tile(moved(0, 0, 100) + "," + content("a.i3dm"))));
