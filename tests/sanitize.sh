@@ -12,7 +12,7 @@ tsan=(streamer_test paging_memory_test serve_test http_test)
 # The first finding ends a test, and fails it.
 export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1:check_initialization_order=1
 export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
-export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
+export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1:suppressions=$PWD/tests/tsan_suppressions.txt
 
 check() { # PRESET EXECUTABLE...
   local preset=$1
