@@ -56,6 +56,7 @@ LIBRARIES = {
     "curl/": ("streamer",),
     "zip.h": ("replay",),
     "unzip.h": ("baker",),
+    "proj.h": ("baker",),
     "zlib.h": ("baker", "tests"),
     "zstd.h": ("baker", "tests"),
     "httplib.h": ("replay",),

@@ -10,7 +10,7 @@ build=(
   libmeshoptimizer-dev libpugixml-dev libspirv-cross-c-shared-dev libvulkan-dev mesa-vulkan-drivers
   vulkan-validationlayers glslang-tools
   libcli11-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libspng-dev libturbojpeg0-dev libwebp-dev libstb-dev
-  libminizip-dev zlib1g-dev libzstd-dev libmd-dev libcurl4-openssl-dev libcpp-httplib-dev fonts-dejavu-core
+  libminizip-dev zlib1g-dev libzstd-dev libmd-dev libproj-dev libcurl4-openssl-dev libcpp-httplib-dev fonts-dejavu-core
 )
 tests=(python3 libgtest-dev chromium)
 # Whoever has npm, from wherever, has node too.

@@ -18,7 +18,6 @@
 #include "baker/import/input_formats.h"
 #include "baker/import/packed/gzip_file.h"
 #include "baker/import/packed/zip_archive.h"
-#include "baker/import/shared/earth_frame.h"
 #include "baker/import/shared/gunzip.h"
 #include "baker/import/shared/input_files.h"
 #include "baker/import/shared/scene_builder.h"
@@ -86,10 +85,12 @@ class Importer {
   explicit Importer(const ImportOptions& options) : options_(options), builder_(options.materials) {}
 
   // What the caller named.
-  Status add(const std::filesystem::path& input) {
+  Status add(const std::filesystem::path& input, const Placement& placement) {
+    builder_.placement().enter_input(placement);
     if (is_url(input.native()))
-      return account(input.string(), [&] {
-        return import_web_tiles(input.native(), options_.skip_missing, earth_, images_, builder_);
+      return account(input.string(), [&]() -> Status {
+        ZC_TRY(enter_file(UpAxis::kZ, input.string()));
+        return import_web_tiles(input.native(), options_.skip_missing, images_, builder_);
       });
     std::error_code failure;
     if (std::filesystem::is_directory(input, failure)) return add_folder(input);
@@ -98,13 +99,14 @@ class Importer {
     const std::string path = is_standard_input ? "standard input" : input.string();
     return account(path, [&]() -> Status {
       ZC_ASSIGN(std::ifstream stream, open_stream(is_standard_input ? "/dev/stdin" : input, path));
+      ZC_TRY(enter_file(UpAxis::kZ, path));
       return import_cityjson_seq(stream, path, {}, disk_files(), images_, builder_);
     });
   }
 
   Result<Scene> finish(const std::filesystem::path& first_input) {
     builder_.enter_file({});
-    if (builder_.crs_named() > 0)
+    if (builder_.placement().crs_named() > 0)
       builder_.note_files("inputs without a reference system, taken to be in that of the others", without_crs_);
     builder_.note_files("files in folders and archives that are no city models, left out", other_files_);
     images_.report(builder_);
@@ -125,8 +127,10 @@ class Importer {
     ZC_ASSIGN(const std::unique_ptr<ZipArchive> zip, ZipArchive::open(archive));
     for (const std::string& name : zip->names()) {
       if (name == "tileset.json")
-        return account(archive.string(),
-                       [&] { return import_tiles_archive(archive, options_.skip_missing, earth_, images_, builder_); });
+        return account(archive.string(), [&]() -> Status {
+          ZC_TRY(enter_file(UpAxis::kZ, archive.string()));
+          return import_tiles_archive(archive, options_.skip_missing, images_, builder_);
+        });
       if (std::filesystem::path(name).filename() == "tileset.json")
         return Error{ErrorCode::kUnsupported,
                      "is an archive of a 3D Tiles tileset, expected a tileset.json at its top; unpack it and bake its "
@@ -169,6 +173,7 @@ class Importer {
     rewind();
     if (!source.named && !begins_with_city_model(stream)) return leave_out(source);
     rewind();
+    ZC_TRY(enter_file(UpAxis::kZ, source.path.string()));
     return import_cityjson_seq(stream, source.path.string(), source.path, source.files, images_, builder_);
   }
 
@@ -186,8 +191,11 @@ class Importer {
       if (MemoryStream stream(bytes); is_sequence(stream, source.path)) return import_sequence(stream, source);
     if (!source.named && !is_city_model(format, text)) return leave_out(source);
     if (bytes.empty()) return Error{ErrorCode::kFormat, std::string("is empty, expected ") + kReadFormats, path};
+    const bool is_tiles = is_tile_content(text) || (format == InputFormat::kJson && is_tileset(text));
+    const bool is_model = format == InputFormat::kGlb || (format == InputFormat::kJson && is_gltf(text));
+    ZC_TRY(enter_file(is_model && !is_tiles ? UpAxis::kY : UpAxis::kZ, path));
     const TilesetSource tiles{&source.files, options_.skip_missing};
-    if (is_tile_content(text)) return import_tileset(std::move(bytes), source.path, tiles, earth_, images_, builder_);
+    if (is_tiles) return import_tileset(std::move(bytes), source.path, tiles, images_, builder_);
     GltfPlace place;
     place.root = folder_of(source.path);
     place.files = &source.files;
@@ -195,11 +203,10 @@ class Importer {
       case InputFormat::kUnknown:
         break;
       case InputFormat::kXml:
-        return import_citygml(std::move(bytes), path, source.files, earth_, images_, builder_);
+        return import_citygml(std::move(bytes), path, source.files, images_, builder_);
       case InputFormat::kGlb:
         return import_gltf(std::move(bytes), path, place, images_, builder_);
       case InputFormat::kJson:
-        if (is_tileset(text)) return import_tileset(std::move(bytes), source.path, tiles, earth_, images_, builder_);
         if (is_gltf(text)) return import_gltf(std::move(bytes), path, place, images_, builder_);
         return import_cityjson(text, path, source.files, images_, builder_);
     }
@@ -211,7 +218,7 @@ class Importer {
   // Runs the import of one file: ends exceptions, and keeps account of reference systems.
   template <class Import>
   Status account(const std::string& path, const Import& import) {
-    const std::uint64_t crs_named = builder_.crs_named();
+    const std::uint64_t crs_named = builder_.placement().crs_named();
     const std::size_t left_out = other_files_.size();
     builder_.enter_file(path);
     try {
@@ -223,9 +230,13 @@ class Importer {
     } catch (const std::bad_alloc&) {
       return Error{ErrorCode::kBudget, "not enough memory to import this file", path};
     }
-    if (builder_.crs_named() == crs_named && other_files_.size() == left_out) without_crs_.push_back(path);
+    if (builder_.placement().crs_named() == crs_named && other_files_.size() == left_out) without_crs_.push_back(path);
+    if (builder_.placement().is_of_degrees()) builder_.note("files in degrees or geocentric, moved to a local frame");
+    if (builder_.placement().converts()) builder_.note("files in another reference system, moved to the world's");
     return {};
   }
+
+  Status enter_file(UpAxis up, const std::string& path) { return builder_.placement().enter_file(up, path); }
 
   Status leave_out(const Source& source) {
     other_files_.push_back(source.path.string());
@@ -233,7 +244,6 @@ class Importer {
   }
 
   const ImportOptions options_;
-  std::optional<EarthFrame> earth_;
   TextureImages images_;
   SceneBuilder builder_;
   std::vector<std::string> without_crs_;
@@ -245,12 +255,18 @@ class Importer {
 Result<Scene> import_inputs(std::span<const std::filesystem::path> inputs, const ImportOptions& options) {
   if (inputs.empty()) return Error{ErrorCode::kArgument, "no input given"};
   Importer importer(options);
-  for (const std::filesystem::path& input : inputs)
-    if (Status status = importer.add(input); !status.ok()) {
+  const std::vector<Placement>& placements = options.placements;
+  if (placements.size() > 1 && placements.size() != inputs.size())
+    return Error{ErrorCode::kArgument, std::to_string(placements.size()) + " placements of " +
+                                           std::to_string(inputs.size()) + " inputs, expected one for all or for each"};
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const Placement placement = placements.empty() ? Placement() : placements[placements.size() == 1 ? 0 : i];
+    if (Status status = importer.add(inputs[i], placement); !status.ok()) {
       Error error = std::move(status).error();
-      if (error.path.empty()) error.path = input.empty() ? "''" : input.string();
+      if (error.path.empty()) error.path = inputs[i].empty() ? "''" : inputs[i].string();
       return error;
     }
+  }
   return importer.finish(inputs.front());
 }
 

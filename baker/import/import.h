@@ -4,21 +4,25 @@
 // as a folder of them. What was left out or replaced is counted in Scene::notes. Units: metres in the inputs' CRS, z up
 // (glTF's y up is turned; geocentric tilesets get a local frame).
 // Untrusted input. Thread-safe: no state. Fails when a file is unreadable, does not follow its format or needs what is
-// not handled; when inputs name different coordinate reference systems; when nothing has a triangle.
+// not handled; when inputs name different coordinate reference systems and one is not known; when nothing has a
+// triangle.
 #pragma once
 
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "baker/import/shared/material_rules.h"
+#include "baker/import/shared/world_placement.h"
 #include "baker/scene/scene.h"
 #include "base/result.h"
 
 namespace zc {
 
 struct ImportOptions {
-  bool skip_missing = false;  // tiles that are not there are counted instead of an error
+  std::vector<Placement> placements;  // none: as the inputs have it; one: of all inputs; or one for each
+  bool skip_missing = false;          // tiles that are not there are counted instead of an error
   MaterialRules materials;
   bool ground_plane = false;
   std::optional<double> ground_plane_z_m;  // else at the lowest point

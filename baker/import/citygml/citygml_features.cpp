@@ -135,7 +135,7 @@ Status CityGmlFeatures::gather_implicit(const pugi::xml_node& node, const Inheri
   const pugi::xml_node point = gml_child(gml_child(node, "referencePoint"), "Point");
   ZC_ASSIGN(const std::vector<glm::dvec3> at, geometry_.points_of(point));
   if (at.size() != 1) return gml_error(node, "an implicit geometry has no reference point", path_);
-  ZC_ASSIGN(const glm::dvec3 world, geometry_.to_world(at[0], node));
+  ZC_ASSIGN(const glm::dvec3 world, geometry_.to_metric(at[0], node));
   placement[3] += glm::dvec4(world, 0);
   pugi::xml_node property = gml_child(node, "relativeGMLGeometry");
   if (!property) property = gml_child(node, "relativeGeometry");  // of 3.0

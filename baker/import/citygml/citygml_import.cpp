@@ -28,14 +28,14 @@ constexpr int kMaxDepth = 200;
 class CityGmlImport {
  public:
   CityGmlImport(const pugi::xml_node& model, std::uint64_t file_bytes, const std::string& path, const InputFiles& files,
-                std::optional<EarthFrame>& earth, TextureImages& images, SceneBuilder& builder)
+                TextureImages& images, SceneBuilder& builder)
       : model_(model),
         path_(path),
         folder_(folder_of(path)),
         files_(files),
         images_(images),
         builder_(builder),
-        geometry_(path, earth, builder),
+        geometry_(path, builder),
         features_(model, file_bytes, path, geometry_, builder) {}
 
   Status run() {
@@ -78,7 +78,7 @@ class CityGmlImport {
       if (found.placement != nullptr) {
         polygon_.add_point(glm::dvec3(*found.placement * glm::dvec4(p, 1)));
       } else {
-        ZC_ASSIGN(const glm::dvec3 world, geometry_.to_world(p, ring.node));
+        ZC_ASSIGN(const glm::dvec3 world, geometry_.to_metric(p, ring.node));
         polygon_.add_point(world);
       }
     }
@@ -226,7 +226,7 @@ std::string root_of_xml(std::string_view begin) {
 }
 
 Status import_citygml(std::vector<std::byte> bytes, const std::string& path, const InputFiles& files,
-                      std::optional<EarthFrame>& earth, TextureImages& images, SceneBuilder& builder) {
+                      TextureImages& images, SceneBuilder& builder) {
   pugi::xml_document document;
   // No document type is read, and so no entity: neither from elsewhere nor one made of others.
   const pugi::xml_parse_result parsed = document.load_buffer_inplace(bytes.data(), bytes.size());
@@ -238,7 +238,7 @@ Status import_citygml(std::vector<std::byte> bytes, const std::string& path, con
   const pugi::xml_node model = document.document_element();
   ZC_TRY(check_version(model, path, builder));
   ZC_TRY(check_depth(model, path));
-  return CityGmlImport(model, bytes.size(), path, files, earth, images, builder).run();
+  return CityGmlImport(model, bytes.size(), path, files, images, builder).run();
 }
 
 }  // namespace zc

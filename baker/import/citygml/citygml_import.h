@@ -10,7 +10,6 @@
 #include <string_view>
 #include <vector>
 
-#include "baker/import/shared/earth_frame.h"
 #include "baker/import/shared/input_files.h"
 #include "baker/import/shared/scene_builder.h"
 #include "baker/import/shared/texture_images.h"
@@ -20,8 +19,8 @@ namespace zc {
 // The name of a document's root without its prefix, as far as `begin` shows it; empty where it does not.
 std::string root_of_xml(std::string_view begin);
 
-// files: that images are read from. earth: the frame of the inputs before, set by the first that needs one.
+// files: that images are read from.
 Status import_citygml(std::vector<std::byte> bytes, const std::string& path, const InputFiles& files,
-                      std::optional<EarthFrame>& earth, TextureImages& images, SceneBuilder& builder);
+                      TextureImages& images, SceneBuilder& builder);
 
 }  // namespace zc

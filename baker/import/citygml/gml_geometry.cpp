@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/import/citygml/gml_geometry.h"
 
-#include <cmath>
 #include <glm/mat4x4.hpp>
 #include <string_view>
 
@@ -25,10 +24,7 @@ std::string_view crs_of(const pugi::xml_node& model) {
 }  // namespace
 
 Status GmlGeometry::enter_model(const pugi::xml_node& model) {
-  const std::string_view crs = crs_of(model);
-  axes_ = axes_of_crs(crs);
-  if (axes_ == GmlAxes::kProjected) return builder_.set_crs(std::string(crs), path_);
-  return {};  // set with the first point, which the frame is made for
+  return builder_.set_crs(std::string(crs_of(model)), path_);
 }
 
 Result<std::vector<glm::dvec3>> GmlGeometry::points_of(const pugi::xml_node& ring) const {
@@ -80,23 +76,10 @@ Result<std::vector<GmlRing>> GmlGeometry::rings_of(const pugi::xml_node& polygon
   return rings;
 }
 
-Result<glm::dvec3> GmlGeometry::to_world(const glm::dvec3& point, const pugi::xml_node& node) {
-  if (axes_ == GmlAxes::kProjected) return point;
-  const bool latitude_first = axes_ == GmlAxes::kLatitudeLongitude;
-  const Geodetic place{latitude_first ? point.y : point.x, latitude_first ? point.x : point.y, point.z};
-  if (!(std::abs(place.lat_deg) <= 90 && std::abs(place.lon_deg) <= 360 && std::abs(place.height_m) < 1e5))
-    return gml_error(node,
-                     "a place that is not on the earth: expected " +
-                         std::string(latitude_first ? "latitude, longitude" : "longitude, latitude") +
-                         " and height, as srsName asks for",
-                     path_);
-  if (!earth_) {
-    earth_.emplace(place);
-    builder_.note("geographic coordinates, moved to a local frame");
-  }
-  if (!crs_set_) ZC_TRY(builder_.set_crs(earth_->crs(), path_));
-  crs_set_ = true;
-  return glm::dvec3(earth_->from_geocentric() * glm::dvec4(geocentric_of(place), 1));
+Result<glm::dvec3> GmlGeometry::to_metric(const glm::dvec3& point, const pugi::xml_node& node) {
+  Result<glm::dvec3> metric = builder_.placement().to_metric(point, path_);
+  if (!metric && metric.error().code == ErrorCode::kFormat) return gml_error(node, metric.error().message, path_);
+  return metric;
 }
 
 }  // namespace zc

@@ -5,13 +5,10 @@
 #pragma once
 
 #include <glm/vec3.hpp>
-#include <optional>
 #include <pugixml.hpp>
 #include <string>
 #include <vector>
 
-#include "baker/import/citygml/gml_crs.h"
-#include "baker/import/shared/earth_frame.h"
 #include "baker/import/shared/scene_builder.h"
 #include "base/result.h"
 
@@ -24,9 +21,7 @@ struct GmlRing {
 
 class GmlGeometry {
  public:
-  // earth: the frame of the inputs before, set by the first that needs one.
-  GmlGeometry(const std::string& path, std::optional<EarthFrame>& earth, SceneBuilder& builder)
-      : path_(path), earth_(earth), builder_(builder) {}
+  GmlGeometry(const std::string& path, SceneBuilder& builder) : path_(path), builder_(builder) {}
 
   // The system of all that follows.
   Status enter_model(const pugi::xml_node& model);
@@ -35,14 +30,11 @@ class GmlGeometry {
   // The exterior of a polygon, then its interiors.
   [[nodiscard]] Result<std::vector<GmlRing>> rings_of(const pugi::xml_node& polygon) const;
   // `node` is named where the point lies nowhere.
-  Result<glm::dvec3> to_world(const glm::dvec3& point, const pugi::xml_node& node);
+  Result<glm::dvec3> to_metric(const glm::dvec3& point, const pugi::xml_node& node);
 
  private:
   const std::string& path_;
-  std::optional<EarthFrame>& earth_;
   SceneBuilder& builder_;
-  GmlAxes axes_ = GmlAxes::kProjected;
-  bool crs_set_ = false;
 };
 
 }  // namespace zc

@@ -44,6 +44,9 @@ class ObjectsReader {
     const json* vertices = find_member(document, "vertices");
     if (vertices == nullptr) return source_.error("vertices is missing");
     ZC_ASSIGN(vertices_, read_city_vertices(*vertices, header_.transform, source_));
+    for (glm::dvec3& vertex : vertices_) {
+      ZC_ASSIGN(vertex, builder_.placement().to_metric(vertex, source_.path));
+    }
     // The document itself was read as the header; a feature may bring its own appearance.
     if (document.contains("appearance") && type_of(document) == "CityJSONFeature") {
       ZC_ASSIGN(own_appearance_, read_city_appearance(document, source_));

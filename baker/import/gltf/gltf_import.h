@@ -17,8 +17,6 @@
 
 namespace zc {
 
-enum class UpAxis : std::uint8_t { kX, kY, kZ };
-
 // Where a model stands and lies.
 struct GltfPlace {
   glm::dmat4 to_world{1};                   // once z is up

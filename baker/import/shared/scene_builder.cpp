@@ -43,14 +43,6 @@ bool usable(const TriangleTexcoords& texcoords) {
   });
 }
 
-// The EPSG code at the end of "urn:ogc:def:crs:EPSG::7415" or ".../EPSG/0/7415"; the whole text of any other name.
-std::string crs_key(const std::string& crs) {
-  if (crs.find("EPSG") == std::string::npos && crs.find("epsg") == std::string::npos) return crs;
-  const std::size_t last = crs.find_last_not_of("0123456789");
-  if (last == std::string::npos || last + 1 == crs.size()) return crs;
-  return "EPSG:" + crs.substr(last + 1);
-}
-
 }  // namespace
 
 std::uint16_t SceneBuilder::material(const Material& material) {
@@ -118,6 +110,12 @@ Status SceneBuilder::add(const ObjectMesh& mesh) {
 Status SceneBuilder::add_once(const ObjectMesh& mesh) {
   ZC_CHECK(mesh.triangles.size() == mesh.materials.size());
   enter_object(mesh.id);
+  std::vector<glm::dvec3> moved;
+  if (placement_.moves()) {
+    moved = mesh.positions;
+    ZC_TRY(placement_.to_world(moved, place_.file));
+  }
+  const std::vector<glm::dvec3>& positions = moved.empty() ? mesh.positions : moved;
   const std::size_t first = scene_.triangles.size();
   // Looked up only, never walked: the order of vertices is the order of first use.
   std::unordered_map<glm::dvec3, std::uint32_t, PositionHash> welded;
@@ -137,7 +135,7 @@ Status SceneBuilder::add_once(const ObjectMesh& mesh) {
     std::array<glm::dvec3, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) {
       ZC_CHECK(mesh.triangles[t][k] < mesh.positions.size());
-      corners[k] = mesh.positions[mesh.triangles[t][k]] + 0.0;  // + 0.0 turns -0 into 0, so that both weld
+      corners[k] = positions[mesh.triangles[t][k]] + 0.0;  // + 0.0 turns -0 into 0, so that both weld
     }
     if (!usable(corners[0]) || !usable(corners[1]) || !usable(corners[2])) {
       note("triangles with coordinates that are not finite or out of range, dropped");
@@ -220,8 +218,6 @@ void SceneBuilder::note_missing(const std::string& what, std::uint64_t count, st
 }
 
 Status SceneBuilder::set_crs(const std::string& crs, const std::string& path) {
-  if (crs.empty()) return {};
-  ++crs_named_;
   if (crs.size() > kMaxCrsNameBytes)
     return Error{ErrorCode::kUnsupported,
                  "the name of its reference system takes " + std::to_string(crs.size()) + " bytes, at most " +
@@ -229,13 +225,13 @@ Status SceneBuilder::set_crs(const std::string& crs, const std::string& path) {
                  path};
   if (lower(crs).find("epsg") != std::string::npos && (crs.back() < '0' || crs.back() > '9'))
     note("reference systems without an EPSG code at their end, kept as they are written");
-  if (scene_.crs.empty()) scene_.crs = crs;
-  if (crs_key(scene_.crs) != crs_key(crs))
-    return Error{ErrorCode::kUnsupported,
-                 "reference system '" + crs + "' differs from '" + scene_.crs +
-                     "' of an earlier input; bake them apart, or convert one",
-                 path};
-  return {};
+  return placement_.set_crs(crs, path);
+}
+
+Scene SceneBuilder::finish(std::vector<TextureImage> images) {
+  scene_.images = std::move(images);
+  scene_.crs = placement_.crs();
+  return std::move(scene_);
 }
 
 }  // namespace zc

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "baker/import/shared/material_rules.h"
+#include "baker/import/shared/world_placement.h"
 #include "baker/scene/scene.h"
 #include "base/result.h"
 
@@ -62,13 +63,10 @@ class SceneBuilder {
   void note_files(const std::string& what, const std::vector<std::string>& names);
   // Parts of the input that are not there, so that it is not whole; the first few by name.
   void note_missing(const std::string& what, std::uint64_t count, std::vector<std::string> first_names);
-  // Keeps the first system named; fails when `crs` names another one. An empty name has no effect.
+  // The system that a file names.
   Status set_crs(const std::string& crs, const std::string& path);
-  [[nodiscard]] std::uint64_t crs_named() const { return crs_named_; }  // how often set_crs() was told one
-  [[nodiscard]] Scene finish(std::vector<TextureImage> images) {
-    scene_.images = std::move(images);
-    return std::move(scene_);
-  }
+  [[nodiscard]] WorldPlacement& placement() { return placement_; }
+  [[nodiscard]] Scene finish(std::vector<TextureImage> images);
 
  private:
   using TextureKey = std::array<float, 9>;
@@ -84,7 +82,7 @@ class SceneBuilder {
   Place place_;
   std::vector<glm::dmat4> instances_;
   std::uint64_t instanced_triangles_ = 0;
-  std::uint64_t crs_named_ = 0;
+  WorldPlacement placement_;
   std::map<MaterialKey, std::uint16_t> materials_;
   std::map<std::string, std::size_t> notes_;
 };

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "baker/import/shared/earth_frame.h"
+#include "baker/geo/earth_frame.h"
 
 namespace zc {
 namespace {

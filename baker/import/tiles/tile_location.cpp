@@ -23,7 +23,7 @@ constexpr double kHighestM = 2e4;
 // Regions wider than this say nothing of where the city is.
 constexpr double kWideRegionRad = 0.1;
 
-bool is_on_earth(const glm::dvec3& center) {
+bool is_geocentric(const glm::dvec3& center) {
   const double distance = glm::length(center);
   return distance > kNearestM && distance < kFarthestM && std::abs(center.z) > kHighestM;
 }
@@ -76,7 +76,7 @@ Status TileLocation::see(const TileVolume& volume, const glm::dmat4& transform) 
   const auto& n = volume.numbers;
   if (volume.kind == TileVolume::Kind::kBox) {
     const glm::dvec3 center(transform * glm::dvec4(n[0], n[1], n[2], 1));
-    if (is_on_earth(center)) origin_ = geodetic_of(center);
+    if (is_geocentric(center)) origin_ = geodetic_of(center);
     return {};
   }
   if (volume.kind == TileVolume::Kind::kDamagedRegion)
@@ -98,7 +98,7 @@ Status TileLocation::see(const TileVolume& volume, const glm::dmat4& transform) 
 }
 
 void TileLocation::see(const glm::dmat4& place) {
-  if (!origin() && is_on_earth(glm::dvec3(place[3]))) origin_ = geodetic_of(glm::dvec3(place[3]));
+  if (!origin() && is_geocentric(glm::dvec3(place[3]))) origin_ = geodetic_of(glm::dvec3(place[3]));
 }
 
 }  // namespace zc

@@ -9,7 +9,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-#include "baker/import/shared/earth_frame.h"
+#include "baker/geo/earth_frame.h"
 #include "base/result.h"
 
 namespace zc {

@@ -38,7 +38,7 @@ std::vector<glm::dmat4> world_places(const glm::dmat4& to_world, const std::vect
 }  // namespace
 
 Status import_tileset(std::vector<std::byte> bytes, const std::filesystem::path& path, const TilesetSource& source,
-                      std::optional<EarthFrame>& earth, TextureImages& images, SceneBuilder& builder) {
+                      TextureImages& images, SceneBuilder& builder) {
   const std::filesystem::path file = normal_path(path);
   const std::filesystem::path root = folder_of(file);
   TileFiles files(*source.files, source.skip_missing);
@@ -46,8 +46,10 @@ Status import_tileset(std::vector<std::byte> bytes, const std::filesystem::path&
   TileContents contents(root, files, images, builder);
   const auto to_world = [&](const std::optional<Geodetic>& origin) {
     if (!origin) return glm::dmat4(1);
-    if (!earth) earth.emplace(*origin);
-    return earth->from_geocentric();
+    return builder.placement().earth(*origin).from_geocentric();
+  };
+  const auto crs_of = [&](const std::optional<Geodetic>& origin, const std::string& named) {
+    return origin ? builder.placement().earth(*origin).crs() : named;
   };
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const std::size_t start = text.find_first_not_of(" \t\r\n");
@@ -55,14 +57,14 @@ Status import_tileset(std::vector<std::byte> bytes, const std::filesystem::path&
     TileLocation location;
     if (const auto center = center_of_content(bytes)) location.see(glm::translate(glm::dmat4(1), *center));
     const glm::dmat4 place = to_world(location.origin());
-    ZC_TRY(builder.set_crs(location.origin() ? earth->crs() : "", path.string()));
+    ZC_TRY(builder.set_crs(crs_of(location.origin(), ""), path.string()));
     ZC_TRY(contents.add(std::move(bytes), file, UpAxis::kY, {place}));
   } else {
     ZC_ASSIGN(TilesetFile tileset, read_tileset(text, file));
     const std::string crs = tileset.crs;
     ZC_TRY(walk.run(std::move(tileset)));
     const glm::dmat4 turn = to_world(walk.origin());
-    ZC_TRY(builder.set_crs(walk.origin() ? earth->crs() : crs, path.string()));
+    ZC_TRY(builder.set_crs(crs_of(walk.origin(), crs), path.string()));
     for (const PlacedContent& content : walk.contents()) {
       ZC_ASSIGN(std::optional<std::vector<std::byte>> tile, files.read(content.file, kMaxFileBytes));
       if (tile) ZC_TRY(contents.add(*std::move(tile), content.file, content.up, world_places(turn, content.places)));
@@ -73,8 +75,8 @@ Status import_tileset(std::vector<std::byte> bytes, const std::filesystem::path&
   return {};
 }
 
-Status import_tiles_archive(const std::filesystem::path& archive, bool skip_missing, std::optional<EarthFrame>& earth,
-                            TextureImages& images, SceneBuilder& builder) {
+Status import_tiles_archive(const std::filesystem::path& archive, bool skip_missing, TextureImages& images,
+                            SceneBuilder& builder) {
   const std::filesystem::path folder = normal_path(archive);
   ZC_ASSIGN(const std::unique_ptr<InputFiles> files, open_zip_files(folder));
   const std::filesystem::path path = folder / "tileset.json";
@@ -82,11 +84,10 @@ Status import_tiles_archive(const std::filesystem::path& archive, bool skip_miss
   if (is_gzip(bytes)) {
     ZC_ASSIGN(bytes, gunzip(bytes, path.string(), kMaxUnpackedBytes));
   }
-  return import_tileset(std::move(bytes), path, {files.get(), skip_missing}, earth, images, builder);
+  return import_tileset(std::move(bytes), path, {files.get(), skip_missing}, images, builder);
 }
 
-Status import_web_tiles(const std::string& url, bool skip_missing, std::optional<EarthFrame>& earth,
-                        TextureImages& images, SceneBuilder& builder) {
+Status import_web_tiles(const std::string& url, bool skip_missing, TextureImages& images, SceneBuilder& builder) {
   ZC_ASSIGN(const WebTileset web, open_web_files(url));
   ZC_ASSIGN(std::vector<std::byte> bytes, web.files->read(web.path, kMaxFileBytes));
   if (is_gzip(bytes)) {
@@ -95,7 +96,7 @@ Status import_web_tiles(const std::string& url, bool skip_missing, std::optional
   if (is_zip(bytes))
     return Error{ErrorCode::kUnsupported, "is an archive, expected a tileset.json; download it and bake the file",
                  web.path.string()};
-  return import_tileset(std::move(bytes), web.path, {web.files.get(), skip_missing}, earth, images, builder);
+  return import_tileset(std::move(bytes), web.path, {web.files.get(), skip_missing}, images, builder);
 }
 
 }  // namespace zc

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "baker/import/shared/earth_frame.h"
 #include "baker/import/shared/input_files.h"
 #include "baker/import/shared/scene_builder.h"
 #include "baker/import/shared/texture_images.h"
@@ -23,18 +22,17 @@ struct TilesetSource {
   bool skip_missing = false;
 };
 
-// `bytes` is the whole file at `path`: a tileset.json, or a tile's content by itself. The first geocentric tileset
-// chooses `earth`, which all later ones share: they stay where they are to each other.
+// `bytes` is the whole file at `path`: a tileset.json, or a tile's content by itself. Geocentric tilesets share the
+// builder's local frame: they stay where they are to each other.
 // Fails on required extensions that are not handled, on cycles and on files outside the folder of `path`.
 Status import_tileset(std::vector<std::byte> bytes, const std::filesystem::path& path, const TilesetSource& source,
-                      std::optional<EarthFrame>& earth, TextureImages& images, SceneBuilder& builder);
+                      TextureImages& images, SceneBuilder& builder);
 
 // A tileset in a ZIP archive (.3tz).
-Status import_tiles_archive(const std::filesystem::path& archive, bool skip_missing, std::optional<EarthFrame>& earth,
-                            TextureImages& images, SceneBuilder& builder);
+Status import_tiles_archive(const std::filesystem::path& archive, bool skip_missing, TextureImages& images,
+                            SceneBuilder& builder);
 
 // A tileset, or a tile's content, on a web server.
-Status import_web_tiles(const std::string& url, bool skip_missing, std::optional<EarthFrame>& earth,
-                        TextureImages& images, SceneBuilder& builder);
+Status import_web_tiles(const std::string& url, bool skip_missing, TextureImages& images, SceneBuilder& builder);
 
 }  // namespace zc

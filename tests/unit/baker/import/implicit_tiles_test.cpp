@@ -4,7 +4,7 @@
 #include <glm/trigonometric.hpp>
 #include <sstream>
 
-#include "baker/import/shared/earth_frame.h"
+#include "baker/geo/earth_frame.h"
 #include "tests/unit/baker/import/tiles_support.h"
 
 namespace zc::test {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "baker/import/shared/earth_frame.h"
+#include "baker/geo/earth_frame.h"
 #include "tests/unit/baker/import/tiles_support.h"
 
 namespace zc::test {

@@ -5,7 +5,7 @@
 #include <glm/trigonometric.hpp>
 #include <sstream>
 
-#include "baker/import/shared/earth_frame.h"
+#include "baker/geo/earth_frame.h"
 #include "baker/import/shared/uri.h"
 #include "tests/unit/baker/import/tiles_support.h"
 
@@ -318,9 +318,9 @@ TEST_F(EarthTiles, LaterTilesetsShareTheFirstOnesFrame) {
   // A thousandth of a degree of a meridian there is 111.2 m.
   EXPECT_NEAR(scene->positions[3].y, 111.2, 0.1);
   EXPECT_NEAR(scene->positions[3].z, 0, 0.002);
-  // Another system's world is not mixed in.
+  // A world in a system that nobody knows is not mixed in.
   write("world.json", tileset(tile(content("a.glb")), R"("version":"1.1")",
-                              R"("extras":{"zonecast_index":"world.zcw","crs":"EPSG:25832"},)"));
+                              R"("extras":{"zonecast_index":"world.zcw","crs":"EPSG:0"},)"));
   const std::array mixed{inputs[0], folder_ / "world.json"};
   const auto refusal = import_inputs(mixed);
   ASSERT_FALSE(refusal.ok());

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // WGS 84: NIMA TR8350.2, chapter 3.
-#include "baker/import/shared/earth_frame.h"
+#include "baker/geo/earth_frame.h"
 
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 
@@ -14,6 +16,10 @@ namespace {
 constexpr double kSemiMajorM = 6'378'137.0;
 constexpr double kFlattening = 1 / 298.257'223'563;
 constexpr double kEccentricity2 = kFlattening * (2 - kFlattening);
+
+constexpr double kHighest_m = 1e6;  // above it lies no city
+constexpr double kNearest_m = 6.25e6;
+constexpr double kFarthest_m = 6.48e6;
 
 // + 0.0 turns -0 into 0.
 double rounded(double value, double steps) { return std::round(value * steps) / steps + 0.0; }
@@ -30,6 +36,11 @@ glm::dvec3 geocentric_of(const Geodetic& place) {
   const double from_axis = (radius + place.height_m) * std::cos(lat);
   return {from_axis * std::cos(lon), from_axis * std::sin(lon),
           (radius * (1 - kEccentricity2) + place.height_m) * std::sin(lat)};
+}
+
+bool is_on_earth(const glm::dvec3& geocentric) {
+  const double from_centre = glm::length(geocentric);
+  return from_centre > kNearest_m && from_centre < kFarthest_m;  // not NaN
 }
 
 Geodetic geodetic_of(const glm::dvec3& geocentric) {
@@ -54,6 +65,21 @@ EarthFrame::EarthFrame(const Geodetic& origin)
   const glm::dmat3 turn = glm::transpose(glm::dmat3(east, north, up));
   from_geocentric_ = glm::dmat4(turn);
   from_geocentric_[3] = glm::dvec4(-(turn * geocentric_of(origin_)), 1);
+}
+
+std::optional<EarthFrame> EarthFrame::parse(std::string_view crs) {
+  Geodetic origin;
+  const auto take = [&](std::string_view before, double& number) {
+    if (!crs.starts_with(before)) return false;
+    crs.remove_prefix(before.size());
+    const auto [end, failure] = std::from_chars(crs.data(), crs.data() + crs.size(), number);
+    crs.remove_prefix(static_cast<std::size_t>(end - crs.data()));
+    return failure == std::errc();
+  };
+  const bool is_one = take("ENU of EPSG:4978 at lon ", origin.lon_deg) && take(", lat ", origin.lat_deg) &&
+                      take(", h ", origin.height_m) && crs == " m" && std::abs(origin.lon_deg) <= 360 &&
+                      std::abs(origin.lat_deg) <= 90 && std::abs(origin.height_m) <= kHighest_m;
+  return is_one ? std::optional<EarthFrame>(origin) : std::nullopt;
 }
 
 std::string EarthFrame::crs() const {
