@@ -16,8 +16,10 @@
 #include "baker/import/gltf/gltf_import.h"
 #include "baker/import/input_folder.h"
 #include "baker/import/input_formats.h"
+#include "baker/import/obj/obj_import.h"
 #include "baker/import/packed/gzip_file.h"
 #include "baker/import/packed/zip_archive.h"
+#include "baker/import/ply/ply_import.h"
 #include "baker/import/shared/earth_frame.h"
 #include "baker/import/shared/gunzip.h"
 #include "baker/import/shared/input_files.h"
@@ -198,6 +200,10 @@ class Importer {
         return import_citygml(std::move(bytes), path, source.files, earth_, images_, builder_);
       case InputFormat::kGlb:
         return import_gltf(std::move(bytes), path, place, images_, builder_);
+      case InputFormat::kObj:
+        return import_obj(bytes, path, source.files, images_, builder_);
+      case InputFormat::kPly:
+        return import_ply(bytes, path, source.files, images_, builder_);
       case InputFormat::kJson:
         if (is_tileset(text)) return import_tileset(std::move(bytes), source.path, tiles, earth_, images_, builder_);
         if (is_gltf(text)) return import_gltf(std::move(bytes), path, place, images_, builder_);

@@ -13,11 +13,10 @@
 #include "baker/import/shared/input_files.h"
 #include "baker/import/shared/scene_builder.h"
 #include "baker/import/shared/texture_images.h"
+#include "baker/import/shared/up_axis.h"
 #include "base/result.h"
 
 namespace zc {
-
-enum class UpAxis : std::uint8_t { kX, kY, kZ };
 
 // Where a model stands and lies.
 struct GltfPlace {
