@@ -133,7 +133,7 @@ class ZipFiles final : public InputFiles {
     std::vector<std::byte> fields(number_at<std::uint16_t>(entry, 30));
     if (!file_->read(entry_at + kEntryBytes + number_at<std::uint16_t>(entry, 28), fields).ok()) return damaged(name);
     std::size_t skipped = 4;
-    for (const std::size_t size_at : {20, 24})
+    for (const std::size_t size_at : {std::size_t{20}, std::size_t{24}})
       if (number_at<std::uint32_t>(entry, size_at) == kIn64) skipped += 8;
     for (std::size_t at = 0; at + 4 <= fields.size(); at += 4 + std::size_t{number_at<std::uint16_t>(fields, at + 2)})
       if (number_at<std::uint16_t>(fields, at) == kWideField && at + skipped + 8 <= fields.size())
