@@ -127,8 +127,9 @@ class Importer {
     ZC_ASSIGN(const std::unique_ptr<ZipArchive> zip, ZipArchive::open(archive));
     for (const std::string& name : zip->names()) {
       if (name == "tileset.json")
-        return account(archive.string(),
-                       [&] { return import_tiles_archive(archive, options_.skip_missing, earth_, images_, builder_); });
+        return account(archive.string(), [&] {
+          return import_tiles_archive(archive, {zip.get(), options_.skip_missing}, earth_, images_, builder_);
+        });
       if (std::filesystem::path(name).filename() == "tileset.json")
         return Error{ErrorCode::kUnsupported,
                      "is an archive of a 3D Tiles tileset, expected a tileset.json at its top; unpack it and bake its "

@@ -29,9 +29,9 @@ struct TilesetSource {
 Status import_tileset(std::vector<std::byte> bytes, const std::filesystem::path& path, const TilesetSource& source,
                       std::optional<EarthFrame>& earth, TextureImages& images, SceneBuilder& builder);
 
-// A tileset in a ZIP archive (.3tz).
-Status import_tiles_archive(const std::filesystem::path& archive, bool skip_missing, std::optional<EarthFrame>& earth,
-                            TextureImages& images, SceneBuilder& builder);
+// A tileset in a ZIP archive (.3tz), whose files `source` has.
+Status import_tiles_archive(const std::filesystem::path& archive, const TilesetSource& source,
+                            std::optional<EarthFrame>& earth, TextureImages& images, SceneBuilder& builder);
 
 // A tileset, or a tile's content, on a web server.
 Status import_web_tiles(const std::string& url, bool skip_missing, std::optional<EarthFrame>& earth,
