@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Texture images (JPEG, PNG, WebP) of the inputs, each decoded once. An image that is missing, does not decode or may
+// Texture images (decode_image.h) of the inputs, each decoded once. An image that is missing, does not decode or may
 // not be read is no error: it is named in the notes and the caller uses its plain colour. Owns the images. Untrusted
 // input. Not thread-safe.
 #pragma once
