@@ -134,7 +134,7 @@ class ObjImport {
           ZC_ASSIGN(const Corner corner, corner_of(word, vertices, texcoords, words));
           corners.push_back(corner);
         }
-        ZC_TRY(add_face(corners));
+        add_face(corners);
       } else if (key == "usemtl") {
         material_ = &materials_.find(words.rest());
         plain_.reset();
@@ -176,10 +176,10 @@ class ObjImport {
     return corner;
   }
 
-  Status add_face(const std::vector<Corner>& corners) {
+  void add_face(const std::vector<Corner>& corners) {
     if (corners.size() < 3) {
       builder_.note(loss_of(PolygonOutcome::kNoArea));
-      return {};
+      return;
     }
     polygon_.clear();
     for (const Corner& corner : corners) polygon_.add_point(positions_[corner.vertex]);
@@ -188,30 +188,29 @@ class ObjImport {
     if (corners.size() == 3) cut_.push_back({0, 1, 2});  // what the scene cannot use it counts by itself
     if (corners.size() > 3)
       if (const char* loss = loss_of(triangulate_polygon(polygon_, cut_).outcome)) builder_.note(loss);
-    for (const auto& triangle : cut_) {
-      // A place where the outline crosses itself is a new corner; its edge's first end says how it is painted.
-      std::array<Corner, 3> painted;
-      for (std::size_t k = 0; k < 3; ++k)
-        painted[k] = corners[triangle[k] < corners.size() ? triangle[k] : crossing(triangle[k], corners.size())];
-      ZC_TRY(add_triangle(triangle, painted));
+    uv_.clear();
+    if (std::none_of(corners.begin(), corners.end(), [](const Corner& corner) { return corner.texcoord == kNone; })) {
+      for (const Corner& corner : corners) {
+        const glm::vec2 uv = texcoords_[corner.texcoord] * material_->uv_scale + material_->uv_offset;
+        uv_.emplace_back(uv.x, 1 - uv.y);  // upwards in the file
+      }
+      for (const Polygon::Crossing& crossing : polygon_.crossings)
+        uv_.push_back(glm::mix(uv_[crossing.from], uv_[crossing.to], static_cast<float>(crossing.part)));
     }
-    return {};
+    for (const auto& triangle : cut_) add_triangle(triangle, corners);
   }
 
-  [[nodiscard]] std::uint32_t crossing(std::uint32_t point, std::size_t corners) const {
-    std::uint32_t from = point;
-    while (from >= corners) from = polygon_.crossings[from - corners].from;
-    return from;
-  }
-
-  Status add_triangle(const std::array<std::uint32_t, 3>& points, const std::array<Corner, 3>& corners) {
-    const bool has_uv =
-        std::none_of(corners.begin(), corners.end(), [](const Corner& corner) { return corner.texcoord == kNone; });
+  // Of the polygon's points, of which those behind the corners are places where its outline crosses itself.
+  void add_triangle(const std::array<std::uint32_t, 3>& points, const std::vector<Corner>& all) {
+    std::array<Corner, 3> corners;  // of a crossing, that where its edge begins
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::uint32_t at = points[k];
+      while (at >= all.size()) at = polygon_.crossings[at - all.size()].from;
+      corners[k] = all[at];
+    }
+    const bool has_uv = !uv_.empty();
     std::array<glm::vec2, 3> uv{};
-    for (std::size_t k = 0; has_uv && k < 3; ++k) {
-      uv[k] = texcoords_[corners[k].texcoord] * material_->uv_scale + material_->uv_offset;
-      uv[k].y = 1 - uv[k].y;  // upwards in the file
-    }
+    for (std::size_t k = 0; has_uv && k < 3; ++k) uv[k] = uv_[points[k]];
     const std::uint16_t material = material_of(corners);
     const bool is_covered = material_->coverage && has_uv && material_->coverage->mask != nullptr;
     if (material_->coverage && !is_covered && material_->coverage->factor < material_->coverage->cutoff) ++panes_;
@@ -225,12 +224,12 @@ class ObjImport {
       }
       part.triangles.push_back({first, first + 1, first + 2});
       part.materials.push_back(material);
-      return {};
+      return;
     }
     std::array<std::uint32_t, 3> triangle{};
     for (std::size_t k = 0; k < 3; ++k) {
       // A crossing is no vertex of the file.
-      std::uint32_t* known = points[k] < polygon_.ring_ends[0] ? &local_[corners[k].vertex] : nullptr;
+      std::uint32_t* known = points[k] < all.size() ? &local_[corners[k].vertex] : nullptr;
       if (known != nullptr && *known != kNone) {
         triangle[k] = *known;
         continue;
@@ -245,7 +244,6 @@ class ObjImport {
       object_.texcoords.push_back({static_cast<std::uint32_t>(object_.triangles.size()), uv});
     object_.triangles.push_back(triangle);
     object_.materials.push_back(material);
-    return {};
   }
 
   std::uint16_t material_of(const std::array<Corner, 3>& corners) {
@@ -301,6 +299,7 @@ class ObjImport {
   std::vector<std::uint32_t> used_;                                         // vertices that it has
   std::map<std::pair<std::uint32_t, std::uint16_t>, CoveredPart> covered_;  // of the object, by both materials' numbers
   Polygon polygon_;
+  std::vector<glm::vec2> uv_;  // of its points; empty: none
   std::vector<std::array<std::uint32_t, 3>> cut_;
 };
 

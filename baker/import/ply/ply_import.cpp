@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <glm/common.hpp>
 #include <optional>
 #include <utility>
 
@@ -69,9 +70,10 @@ class PlyImport {
     const std::size_t crossings = object_.positions.size();
     for (std::size_t i = count; i < polygon_.points.size(); ++i) object_.positions.push_back(polygon_.points[i]);
     const Material* texture = texture_of(face);
+    if (texture != nullptr) read_texcoords(begin, end);
     for (const auto& points : cut_) {
       std::array<std::uint32_t, 3> triangle{};
-      std::array<std::uint64_t, 3> corners{};  // a crossing is painted as the first end of its edge
+      std::array<std::uint64_t, 3> corners{};  // of a crossing, that where its edge begins
       for (std::size_t k = 0; k < 3; ++k) {
         std::uint32_t at = points[k];
         triangle[k] = at < count ? mesh_.corners[begin + at]
@@ -80,7 +82,9 @@ class PlyImport {
         corners[k] = begin + at;
       }
       object_.materials.push_back(texture != nullptr ? builder_.material(*texture) : plain(face, corners));
-      if (texture != nullptr) add_texcoords(corners);
+      if (texture != nullptr)
+        object_.texcoords.push_back(
+            {static_cast<std::uint32_t>(object_.triangles.size()), {uv_[points[0]], uv_[points[1]], uv_[points[2]]}});
       object_.triangles.push_back(triangle);
     }
   }
@@ -108,15 +112,16 @@ class PlyImport {
     return builder_.material(material);
   }
 
-  void add_texcoords(const std::array<std::uint64_t, 3>& corners) {
-    TriangleTexcoords texcoords;
-    texcoords.triangle = static_cast<std::uint32_t>(object_.triangles.size());
-    for (std::size_t k = 0; k < 3; ++k) {
-      const glm::vec2 uv = mesh_.corner_texcoords.empty() ? mesh_.texcoords[mesh_.corners[corners[k]]]
-                                                          : mesh_.corner_texcoords[corners[k]];
-      texcoords.uv[k] = {uv.x, 1 - uv.y};  // upwards in the file
+  // Of the polygon's points.
+  void read_texcoords(std::uint64_t begin, std::uint64_t end) {
+    uv_.clear();
+    for (std::uint64_t i = begin; i < end; ++i) {
+      const glm::vec2 uv =
+          mesh_.corner_texcoords.empty() ? mesh_.texcoords[mesh_.corners[i]] : mesh_.corner_texcoords[i];
+      uv_.emplace_back(uv.x, 1 - uv.y);  // upwards in the file
     }
-    object_.texcoords.push_back(texcoords);
+    for (const Polygon::Crossing& crossing : polygon_.crossings)
+      uv_.push_back(glm::mix(uv_[crossing.from], uv_[crossing.to], static_cast<float>(crossing.part)));
   }
 
   PlyMesh mesh_;
@@ -124,6 +129,7 @@ class PlyImport {
   ObjectMesh object_;
   std::vector<std::optional<Material>> textured_;  // of each texture file; nothing where it cannot be read
   Polygon polygon_;
+  std::vector<glm::vec2> uv_;  // of its points
   std::vector<std::array<std::uint32_t, 3>> cut_;
 };
 

@@ -119,6 +119,22 @@ TEST_F(Obj, TexturesStandAsTheirCoordinatesSay) {
   }
 }
 
+TEST_F(Obj, ATextureStaysWhereAnOutlineCrossesItself) {
+  write_picture("wall.png", 3);
+  const auto scene = with_library("newmtl wall\nmap_Kd wall.png\n",
+                                  "v 0 0 0\nv 4 4 0\nv 4 0 0\nv 0 2 0\nvt 0 0\nvt 1 1\nvt 1 0\nvt 0 0.5\n"
+                                  "usemtl wall\nf 1/1 2/2 3/3 4/4\n");
+  ASSERT_TRUE(scene.ok()) << error_of(scene);
+  EXPECT_EQ(scene->positions.size(), 5U);  // with the crossing
+  ASSERT_EQ(scene->texcoords.size(), 2U);
+  for (std::size_t t = 0; t < 2; ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3& p = scene->positions[scene->triangles[t][k]];
+      EXPECT_NEAR(scene->texcoords[t].uv[k].x, p.x / 4, 1e-6);
+      EXPECT_NEAR(scene->texcoords[t].uv[k].y, 1 - p.y / 4, 1e-6);
+    }
+}
+
 TEST_F(Obj, WhatIsTransparentIsCutOff) {
   write_picture("wall.png", 4);  // the lower half is transparent
   const auto own = with_library("newmtl wall\nmap_Kd wall.png\nmap_d wall.png\n", kSquare);
