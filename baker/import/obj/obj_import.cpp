@@ -24,6 +24,14 @@ namespace {
 
 constexpr std::size_t kMaxVertices = 0xFFFF'FFFE;
 constexpr std::uint32_t kNone = 0xFFFF'FFFF;
+// Of what is cut out of all transparent parts of a file: pieces, and texels that are looked at; so many, and more for
+// each byte of the file.
+constexpr std::uint64_t kMaxPieces = 1U << 20U;
+constexpr std::uint64_t kPiecesPerByte = 4;
+constexpr double kMaxTexels = 1U << 29U;
+constexpr double kTexelsPerByte = 1 << 11;
+constexpr double kMaxTexelsAtOnce = 1 << 24;  // beyond it AlphaMask takes a coarser level
+constexpr float kMaskSide = 512;
 
 struct Corner {
   std::uint32_t vertex = kNone;
@@ -37,6 +45,7 @@ struct CoveredPart {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<glm::vec2> texcoords;
   std::vector<std::uint16_t> materials;
+  double texels = 0;  // about so many does the cut look at
 };
 
 class ObjImport {
@@ -222,6 +231,9 @@ class ObjImport {
         part.positions.push_back(polygon_.points[points[k]]);
         part.texcoords.push_back(uv[k]);
       }
+      const glm::vec2 low = glm::min(uv[0], glm::min(uv[1], uv[2]));
+      const glm::vec2 size = (glm::max(uv[0], glm::max(uv[1], uv[2])) - low) * kMaskSide;
+      part.texels += size.x * size.y;
       part.triangles.push_back({first, first + 1, first + 2});
       part.materials.push_back(material);
       return;
@@ -258,10 +270,22 @@ class ObjImport {
     return *plain_;
   }
 
+  void keep_opaque_part(CoveredPart& part) {
+    if (pieces_ > kMaxPieces + kPiecesPerByte * text_.size() ||
+        texels_ > kMaxTexels + kTexelsPerByte * static_cast<double>(text_.size())) {
+      builder_.note("OBJ triangles with transparent parts beyond what a file of its size may have, kept whole",
+                    part.triangles.size());
+      return;
+    }
+    keep_opaque(*part.material->coverage, "OBJ", {part.positions, part.triangles, part.texcoords, part.materials},
+                builder_);
+    pieces_ += part.triangles.size();
+    texels_ += part.texels < kMaxTexelsAtOnce ? part.texels : kMaxTexelsAtOnce;  // no number: the most
+  }
+
   Status end_object() {
     for (auto& [index, part] : covered_) {
-      keep_opaque(*part.material->coverage, "OBJ", {part.positions, part.triangles, part.texcoords, part.materials},
-                  builder_);
+      keep_opaque_part(part);
       const auto first = static_cast<std::uint32_t>(object_.positions.size());
       object_.positions.insert(object_.positions.end(), part.positions.begin(), part.positions.end());
       object_.materials.insert(object_.materials.end(), part.materials.begin(), part.materials.end());
@@ -291,6 +315,8 @@ class ObjImport {
   bool by_groups_ = true;
   std::uint64_t other_elements_ = 0;
   std::uint64_t panes_ = 0;
+  std::uint64_t pieces_ = 0;
+  double texels_ = 0;
 
   const ObjMaterial* material_ = nullptr;
   std::optional<std::uint16_t> plain_;  // of material_, in the scene

@@ -35,8 +35,8 @@ inline Bytes bytes_of(const void* data, std::size_t size) {
   return {begin, begin + size};
 }
 
-inline Bytes png(std::uint32_t width, std::uint32_t height, std::uint32_t channels, bool interlaced = false) {
-  const std::vector<std::uint8_t> pixels = picture(width, height, channels);
+inline Bytes png_of(const std::vector<std::uint8_t>& pixels, std::uint32_t width, std::uint32_t height,
+                    std::uint32_t channels, bool interlaced = false) {
   const std::unique_ptr<spng_ctx, decltype(&spng_ctx_free)> coder(spng_ctx_new(SPNG_CTX_ENCODER), &spng_ctx_free);
   spng_ihdr header{};
   header.width = width;
@@ -53,6 +53,10 @@ inline Bytes png(std::uint32_t width, std::uint32_t height, std::uint32_t channe
   int fault = 0;
   const std::unique_ptr<void, decltype(&std::free)> out(spng_get_png_buffer(coder.get(), &size, &fault), &std::free);
   return bytes_of(out.get(), size);
+}
+
+inline Bytes png(std::uint32_t width, std::uint32_t height, std::uint32_t channels, bool interlaced = false) {
+  return png_of(picture(width, height, channels), width, height, channels, interlaced);
 }
 
 }  // namespace zc::test

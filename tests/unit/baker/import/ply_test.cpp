@@ -190,8 +190,10 @@ TEST_F(Ply, DamageEndsInOneLineAndNeverInACrash) {
     const std::string whole = model(form);
     for (std::size_t i = 0; i < 600; ++i) {
       std::string damaged = whole;
-      for (int change = 0; change < 2; ++change)
-        damaged[random() % damaged.size()] ^= static_cast<char>(1U << random() % 8);
+      for (int change = 0; change < 2; ++change) {
+        char& changed = damaged[random() % damaged.size()];
+        changed = static_cast<char>(changed ^ static_cast<char>(1U << random() % 8));
+      }
       if (i < whole.size()) damaged.resize(i);
       const auto scene = import_text("a.ply", damaged);
       if (scene.ok())
