@@ -42,6 +42,7 @@ LIBRARIES = {
     "stb/": ("baker", "replay"),
     "tbb/": ("baker", "tests"),
     "tiny_gltf.h": ("baker",),
+    "tiny_obj_loader.h": ("baker",),
     "pugixml.hpp": ("baker",),
     "meshoptimizer.h": ("baker", "tests"),
     "draco/": ("baker", "tests"),

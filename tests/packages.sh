@@ -6,7 +6,7 @@ set -euo pipefail
 
 build=(
   cmake ninja-build g++ ccache pkg-config
-  libcgal-dev libopenmesh-dev libdraco-dev libtinygltf-dev libglm-dev libtbb-dev libboost-dev libembree-dev
+  libcgal-dev libopenmesh-dev libdraco-dev libtinygltf-dev libtinyobjloader-dev libglm-dev libtbb-dev libboost-dev libembree-dev
   libmeshoptimizer-dev libpugixml-dev libspirv-cross-c-shared-dev libvulkan-dev mesa-vulkan-drivers
   vulkan-validationlayers glslang-tools
   libcli11-dev libspdlog-dev nlohmann-json3-dev libxxhash-dev libspng-dev libturbojpeg0-dev libwebp-dev libstb-dev

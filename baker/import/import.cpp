@@ -16,8 +16,11 @@
 #include "baker/import/gltf/gltf_import.h"
 #include "baker/import/input_folder.h"
 #include "baker/import/input_formats.h"
+#include "baker/import/obj/obj_import.h"
+#include "baker/import/other_formats.h"
 #include "baker/import/packed/gzip_file.h"
 #include "baker/import/packed/zip_archive.h"
+#include "baker/import/ply/ply_import.h"
 #include "baker/import/shared/gunzip.h"
 #include "baker/import/shared/input_files.h"
 #include "baker/import/shared/scene_builder.h"
@@ -27,6 +30,7 @@
 #include "baker/import/tiles/tileset_file.h"
 #include "baker/import/tiles/tileset_import.h"
 #include "base/file.h"
+#include "base/text.h"
 #include "streamer/source/source.h"
 
 namespace zc {
@@ -62,6 +66,21 @@ Error no_models(const char* what, const std::filesystem::path& input) {
           std::string("is ") + what + " without city models, expected files of " + kReadFormats +
               "; name the folder or the files that are the city",
           input.string()};
+}
+
+Error refused(const OtherFormat& format, const std::filesystem::path& input) {
+  return {ErrorCode::kUnsupported, std::string("is ") + format.what + ", expected " + kReadFormats + "; " + format.next,
+          input.string()};
+}
+
+// A link that leads nowhere.
+Status check_link(const std::filesystem::path& file) {
+  std::error_code none;
+  if (!std::filesystem::is_symlink(file, none) || std::filesystem::exists(file, none)) return {};
+  return Error{ErrorCode::kIo,
+               "is a link to '" + printable(std::filesystem::read_symlink(file, none).string(), 160) +
+                   "', which is not there, expected a file; mend the link, or name the file itself",
+               file.string()};
 }
 
 // What was found and left out is why nothing is there.
@@ -129,7 +148,7 @@ class Importer {
       if (name == "tileset.json")
         return account(archive.string(), [&]() -> Status {
           ZC_TRY(enter_file(UpAxis::kZ, archive.string()));
-          return import_tiles_archive(archive, options_.skip_missing, images_, builder_);
+          return import_tiles_archive(archive, {zip.get(), options_.skip_missing}, images_, builder_);
         });
       if (std::filesystem::path(name).filename() == "tileset.json")
         return Error{ErrorCode::kUnsupported,
@@ -147,10 +166,13 @@ class Importer {
         return import_bytes(std::move(bytes), source);
       }));
     }
-    return is_empty ? Status(no_models("an archive", archive)) : Status();
+    if (!is_empty) return {};
+    const std::optional<OtherFormat> other = other_archive(zip->names());
+    return other ? refused(*other, archive) : no_models("an archive", archive);
   }
 
   Status add_file(const std::filesystem::path& file, bool named) {
+    ZC_TRY(check_link(file));
     ZC_ASSIGN(const std::vector<std::byte> head, head_of(file));
     if (is_zip(head)) return add_archive(file);
     const Source source{file, disk_files(), named};
@@ -190,12 +212,16 @@ class Importer {
     if (format == InputFormat::kJson)
       if (MemoryStream stream(bytes); is_sequence(stream, source.path)) return import_sequence(stream, source);
     if (!source.named && !is_city_model(format, text)) return leave_out(source);
-    if (bytes.empty()) return Error{ErrorCode::kFormat, std::string("is empty, expected ") + kReadFormats, path};
+    if (bytes.empty())
+      return Error{ErrorCode::kFormat, std::string("is empty, expected ") + kReadFormats + "; get it again", path};
     const bool is_tiles = is_tile_content(text) || (format == InputFormat::kJson && is_tileset(text));
     const bool is_model = format == InputFormat::kGlb || (format == InputFormat::kJson && is_gltf(text));
-    ZC_TRY(enter_file(is_model && !is_tiles ? UpAxis::kY : UpAxis::kZ, path));
+    const bool is_without_rule = format == InputFormat::kObj || format == InputFormat::kPly;
+    ZC_TRY(enter_file(is_model && !is_tiles ? UpAxis::kY : (is_without_rule ? kUpWithoutRule : UpAxis::kZ), path));
     const TilesetSource tiles{&source.files, options_.skip_missing};
     if (is_tiles) return import_tileset(std::move(bytes), source.path, tiles, images_, builder_);
+    if (!is_city_model(format, text) || format == InputFormat::kXml)  // of which the root may not be legible
+      if (const std::optional<OtherFormat> other = other_format(text)) return refused(*other, source.path);
     GltfPlace place;
     place.root = folder_of(source.path);
     place.files = &source.files;
@@ -206,6 +232,10 @@ class Importer {
         return import_citygml(std::move(bytes), path, source.files, images_, builder_);
       case InputFormat::kGlb:
         return import_gltf(std::move(bytes), path, place, images_, builder_);
+      case InputFormat::kObj:
+        return import_obj(bytes, path, source.files, images_, builder_);
+      case InputFormat::kPly:
+        return import_ply(bytes, path, source.files, images_, builder_);
       case InputFormat::kJson:
         if (is_gltf(text)) return import_gltf(std::move(bytes), path, place, images_, builder_);
         return import_cityjson(text, path, source.files, images_, builder_);

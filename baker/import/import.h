@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reads city models of every supported format into one Scene: glTF 2.0 and GLB (Draco, quantised), CityJSON 1.1 and
-// 2.0, CityJSONSeq, CityGML 1.0, 2.0 and 3.0, 3D Tiles 1.0 and 1.1; as files, packed with gzip or in a ZIP archive, or
-// as a folder of them. What was left out or replaced is counted in Scene::notes. Units: metres in the inputs' CRS, z up
-// (glTF's y up is turned; geocentric tilesets get a local frame).
-// Untrusted input. Thread-safe: no state. Fails when a file is unreadable, does not follow its format or needs what is
-// not handled; when inputs name different coordinate reference systems and one is not known; when nothing has a
-// triangle.
+// 2.0, CityJSONSeq, CityGML 1.0, 2.0 and 3.0, 3D Tiles 1.0 and 1.1, OBJ, PLY; as files, packed with gzip or in a ZIP
+// archive, or as a folder of them. What was left out or replaced is counted in Scene::notes. Units: metres in the
+// inputs' CRS, z up (glTF's y up is turned; geocentric tilesets get a local frame). Untrusted input. Thread-safe: no
+// state. Fails when a file is unreadable, does not follow its format or needs what is not handled; when inputs name
+// different coordinate reference systems and one is not known; when nothing has a triangle.
 #pragma once
 
 #include <filesystem>

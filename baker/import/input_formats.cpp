@@ -6,6 +6,7 @@
 #include <string>
 
 #include "baker/import/citygml/citygml_import.h"
+#include "baker/import/obj/obj_import.h"
 #include "baker/import/shared/json_text.h"
 #include "baker/import/tiles/tileset_file.h"
 #include "base/text.h"
@@ -14,8 +15,8 @@ namespace zc {
 namespace {
 
 constexpr const char* kBlank = " \t\r\n";
-constexpr std::array<std::string_view, 7> kModelNames = {".gml",   ".xml",  ".citygml", ".json",
-                                                         ".jsonl", ".gltf", ".glb"};
+constexpr std::array<std::string_view, 9> kModelNames = {".gml",  ".xml", ".citygml", ".json", ".jsonl",
+                                                         ".gltf", ".glb", ".obj",     ".ply"};
 
 }  // namespace
 
@@ -28,7 +29,9 @@ InputFormat format_of(std::span<const std::byte> begin) {
   const std::size_t start = text.find_first_not_of(kBlank);
   if (start == std::string_view::npos) return InputFormat::kUnknown;
   if (text[start] == '<') return InputFormat::kXml;
-  return text[start] == '{' ? InputFormat::kJson : InputFormat::kUnknown;
+  if (text[start] == '{') return InputFormat::kJson;
+  if (text.starts_with("ply\n") || text.starts_with("ply\r")) return InputFormat::kPly;
+  return is_obj(text) ? InputFormat::kObj : InputFormat::kUnknown;
 }
 
 bool is_sequence(std::istream& stream, const std::filesystem::path& path) {
@@ -55,7 +58,7 @@ bool is_gltf(std::string_view json) {
 }
 
 bool is_city_model(InputFormat format, std::string_view text) {
-  if (format == InputFormat::kGlb) return true;
+  if (format == InputFormat::kGlb || format == InputFormat::kObj || format == InputFormat::kPly) return true;
   if (format == InputFormat::kXml) {
     const std::string root = root_of_xml(text);
     return root == "CityModel" || root.empty();

@@ -14,10 +14,10 @@
 namespace zc {
 
 inline constexpr const char* kReadFormats =
-    "glTF, GLB, CityJSON, CityJSONSeq, CityGML or 3D Tiles (tileset.json, .3tz, b3dm, i3dm, cmpt), or one of them as "
-    ".gz or .zip";
+    "glTF, GLB, CityJSON, CityJSONSeq, CityGML, OBJ, PLY or 3D Tiles (tileset.json, .3tz, b3dm, i3dm, cmpt), or one of "
+    "them as .gz or .zip";
 
-enum class InputFormat { kUnknown, kGlb, kXml, kJson };
+enum class InputFormat { kUnknown, kGlb, kXml, kJson, kObj, kPly };
 // By the first bytes, of which there is one at least.
 InputFormat format_of(std::span<const std::byte> begin);
 

@@ -144,8 +144,8 @@ void add_bake(CLI::App& app, const SetCommand& set) {
   command
       ->add_option(
           "inputs", arguments->inputs,
-          "glTF, GLB, CityJSON, CityJSONSeq, CityGML, 3D Tiles (also on the web), each also packed (.gz, .zip); "
-          "folders of them; -: CityJSONSeq from standard input")
+          "glTF, GLB, CityJSON, CityJSONSeq, CityGML, OBJ, PLY, 3D Tiles (also on the web), each also packed (.gz, "
+          ".zip); folders of them; -: CityJSONSeq from stdin")
       ->required();
   add_json_option(*command, arguments->json, command->get_option("inputs"));
   command->add_option("-o,--output", arguments->out, "World folder to write; an old world there is replaced")

@@ -100,6 +100,50 @@ class BadModels(support.Case):
         self.refuse("noise.bin", bytes(range(256)) * 8)
         self.refuse("text.json", "hello")
 
+    def test_other_formats_are_named_with_the_next_step(self):
+        step = b"ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('%s'));\nENDSEC;\n"
+        database = b"SQLite format 3\0".ljust(68, b"\0")
+        model, plan, city = "export it as glTF, OBJ or PLY", "make a 3D model of it first", "CityGML, CityJSON or glTF"
+        for name, content, what, then in (
+                ("a.ifc", step % b"IFC4", "is an IFC model", city),
+                ("a.stp", step % b"AUTOMOTIVE_DESIGN", "is a STEP file", "export its surfaces"),
+                ("a.fbx", b"Kaydara FBX Binary  \0\x1a\0", "is an FBX model", model),
+                ("a.dae", b'<?xml version="1.0"?>\n<COLLADA version="1.4.1"/>', "is a COLLADA model", model),
+                ("a.3ds", b"MM\x10\0\0\0\x02\0\x0a\0\0\0\x03\0\0\0", "is a 3DS model", model),
+                ("a.stl", b"solid house\nfacet normal 0 0 1\n", "is an STL model", model),
+                ("b.stl", bytes(80) + b"\x01\0\0\0" + bytes(50), "is an STL model", model),
+                ("a.usdc", b"PXR-USDC" + bytes(80), "is a USD model", model),
+                ("a.skp", "\ufeff\u0effSketchUp Model".encode("utf-16-le"), "is a SketchUp model", model),
+                ("a.dxf", b"  0\r\nSECTION\r\n  2\r\nHEADER\r\n", "is a DXF drawing", "export its surfaces"),
+                ("a.dwg", b"AC1027" + bytes(80), "is a DWG drawing", "export its surfaces"),
+                ("a.las", b"LASF" + bytes(300), "is a point cloud (LAS or LAZ)", "make a mesh of its points"),
+                ("a.shp", b"\0\0\x27\x0a" + bytes(96), "is a shapefile", plan),
+                ("a.gpkg", database + b"GPKG", "is a GeoPackage", plan),
+                ("a.sqlite", database, "is an SQLite database", "export the city in it"),
+                ("a.kml", b'<kml xmlns="http://www.opengis.net/kml/2.2"/>', "is a KML document", plan),
+                ("a.osm", b'<osm version="0.6"/>', "is OpenStreetMap data", plan),
+                ("a.json", b'{"type": "FeatureCollection", "features": []}', "is GeoJSON", plan),
+                ("a.html", b"<!DOCTYPE html>\n<html></html>", "is a web page", "get the model again"),
+                ("a.pdf", b"%PDF-1.7\n", "is a PDF document", "name the file of the model"),
+                ("a.jpg", b"\xff\xd8\xff\xe0" + bytes(80), "is a JPEG picture", "name the model"),
+                ("a.mtl", b"newmtl wall\nKd 1 0 0\n", "is a material library (MTL)", "name the OBJ file"),
+                ("a.7z", b"7z\xbc\xaf\x27\x1c", "is a 7z archive", "unpack it"),
+                ("a.tar.gz", gzip.compress(bytes(257) + b"ustar"), "is a tar archive", "unpack it"),
+                ("old.gltf", b'{"asset": {"version": "1.0"}}', "glTF version 1.0", "convert it"),
+                ("cut.glb", self.glb[:100], "file ends early", "get it again"),
+                ("empty.obj", b"", "is empty", "get it again")):
+            with self.subTest(name=name):
+                self.refuse(name, content, what, then)
+        for inner, what in (("model.usdc", "is a USDZ model"), ("doc.kml", "is a KMZ document"),
+                            ("readme.txt", "is an archive without city models")):
+            with self.subTest(inner=inner):
+                with zipfile.ZipFile(self.folder / "other.zip", "w") as file:
+                    file.writestr(inner, "hello")
+                self.refuse("other.zip", (self.folder / "other.zip").read_bytes(), what, "expected")
+        (self.folder / "link.glb").symlink_to("nowhere")
+        self.assert_refused(["bake", self.folder / "link.glb", "-o", self.folder / "new"], FAILURE, "link.glb",
+                            "is a link to 'nowhere', which is not there")
+
     def test_truncated_glb(self):
         size = len(self.glb)
         json_bytes = int.from_bytes(self.glb[12:16], "little")

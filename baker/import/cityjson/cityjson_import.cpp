@@ -39,7 +39,9 @@ bool next_line(std::istream& stream, std::string& line) {
 
 Status check_header(const json& document, const CitySource& source) {
   const json* type = find_member(document, "type");
-  if (type == nullptr || !type->is_string() || *type != "CityJSON") return source.error("type is not 'CityJSON'");
+  if (type == nullptr || !type->is_string() || *type != "CityJSON")
+    return source.error(
+        "type is not 'CityJSON', expected CityJSON, glTF or a tileset.json; name the file of the model");
   const json* version = find_member(document, "version");
   if (version == nullptr || !version->is_string()) return source.error("version is missing or not text");
   const std::string& text = version->get_ref<const std::string&>();

@@ -102,7 +102,7 @@ Result<Chunks> split_glb(std::span<const std::byte> bytes, const std::string& pa
                  4};
   const std::uint64_t length = word(bytes, 8);
   if (length > bytes.size())
-    return fault("file ends early: GLB declares " + std::to_string(length) + " bytes", bytes.size());
+    return fault("file ends early: GLB declares " + std::to_string(length) + " bytes; get it again", bytes.size());
   Chunks chunks;
   std::uint64_t at = 12;
   bool has_json = false;

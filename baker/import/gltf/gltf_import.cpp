@@ -9,37 +9,15 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <optional>
-#include <string_view>
 
 #include "baker/import/gltf/gltf_file.h"
 #include "baker/import/gltf/gltf_geometry.h"
+#include "baker/import/shared/opaque_part.h"
+#include "baker/import/shared/surface_material.h"
 #include "baker/import/shared/uri.h"
-#include "base/text.h"
 
 namespace zc {
 namespace {
-
-// Turns the axis to z. Columns.
-glm::dmat4 upright(UpAxis up) {
-  switch (up) {
-    case UpAxis::kX:
-      return {{0, 0, 1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {0, 0, 0, 1}};
-    case UpAxis::kY:
-      return {{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}, {0, 0, 0, 1}};
-    case UpAxis::kZ:
-      break;
-  }
-  return glm::dmat4(1);
-}
-
-ObjectKind kind_of(const std::string& name) {
-  constexpr std::array<std::string_view, 7> kGroundNames = {"ground",   "road",         "terrain", "street",
-                                                            "sidewalk", "plaza_ground", "water"};
-  const std::string lower_name = lower(name);
-  const bool ground = std::any_of(kGroundNames.begin(), kGroundNames.end(),
-                                  [&](std::string_view prefix) { return lower_name.starts_with(prefix); });
-  return ground ? ObjectKind::kGround : ObjectKind::kObject;
-}
 
 Result<glm::dmat4> local_transform(const GltfFile& file, const tinygltf::Node& node, std::size_t index) {
   const auto fits = [](const std::vector<double>& values, std::size_t size) {
@@ -191,7 +169,7 @@ class GltfImport {
     const auto mesh_index = static_cast<std::size_t>(mesh);
     ObjectMesh object;
     object.id = id;
-    object.kind = kind_of(id);
+    object.kind = kind_of_name(id);
     const bool mirrored = glm::determinant(glm::dmat3(world)) < 0;
     for (const Part& part : *meshes_[mesh_index]) {
       const std::size_t base = object.positions.size();
@@ -229,7 +207,7 @@ class GltfImport {
       }
       part.materials = materials_of(part.geometry, appearance.material);
       for (glm::vec2& uv : part.geometry.texcoords) uv = appearance.uv_transform * glm::vec3(uv, 1);
-      keep_opaque(mesh.primitives[i].material, appearance.material, part);
+      keep_opaque_part(mesh.primitives[i].material, appearance.material, part);
       parts.push_back(std::move(part));
     }
     meshes_[mesh_index] = std::move(parts);
@@ -260,70 +238,25 @@ class GltfImport {
     return materials;
   }
 
-  // alphaMode: a page stores a surface or it does not, so what is transparent is cut off. Panes, of which no part is
-  // opaque, stay: they reflect.
-  void keep_opaque(int index, const Material& material, Part& part) {
+  // As alphaMode says.
+  void keep_opaque_part(int index, const Material& material, Part& part) {
     if (index < 0) return;
     const tinygltf::Material& source = file_.model.materials[static_cast<std::size_t>(index)];
     const bool is_mask = source.alphaMode == "MASK";
     if (!is_mask && source.alphaMode != "BLEND") return;
+    Coverage coverage;
+    coverage.keeps_panes = !is_mask;
+    if (is_mask) coverage.cutoff = source.alphaCutoff;
     const std::vector<double>& base = source.pbrMetallicRoughness.baseColorFactor;
-    const double factor = base.size() < 4 ? 1.0 : std::clamp(base[3], 0.0, 1.0);
-    const double cutoff = is_mask ? source.alphaCutoff : 0.5;
-    const AlphaMask* mask = material.texture ? images_.mask_of(material.texture->image) : nullptr;
-    const double share = mask != nullptr && factor > 0 ? mask->share_at_least(static_cast<float>(cutoff / factor))
-                                                       : (factor >= cutoff ? 1.0 : 0.0);
-    if (share == 1) return;
-    constexpr double kPaneShare = 0.01;
-    if (!is_mask && share < kPaneShare) {
-      builder_.note("transparent glTF surfaces, kept as panes that are opaque", part.geometry.triangles.size());
-      return;
+    if (base.size() >= 4) coverage.factor = std::clamp(base[3], 0.0, 1.0);
+    if (material.texture) {
+      coverage.mask = images_.mask_of(material.texture->image);
+      coverage.wrap_u = material.texture->wrap_u;
+      coverage.wrap_v = material.texture->wrap_v;
     }
-    if (mask == nullptr || part.geometry.texcoords.empty()) {
-      if (share > 0) return;
-      builder_.note("glTF triangles that their alpha leaves nothing of, left out", part.geometry.triangles.size());
-      part.geometry.triangles.clear();
-      part.materials.clear();
-      return;
-    }
-    builder_.note("glTF triangles with transparent parts, which were cut off", part.geometry.triangles.size());
-    cut_by_mask(*mask, *material.texture, static_cast<float>(cutoff / factor), part);
-  }
-
-  static void cut_by_mask(const AlphaMask& mask, const SurfaceTexture& texture, float cutoff, Part& part) {
-    constexpr std::size_t kPiecesPerTriangle = 256;
-    constexpr std::size_t kPiecesLeast = 1U << 13U;  // a fence may be two triangles
-    constexpr std::size_t kPiecesMost = 1U << 17U;
     GltfGeometry& geometry = part.geometry;
-    std::vector<AlphaMask::Triangle> triangles;
-    triangles.reserve(geometry.triangles.size());
-    for (const auto& [a, b, c] : geometry.triangles)
-      triangles.push_back({{geometry.texcoords[a], geometry.texcoords[b], geometry.texcoords[c]}});
-    const std::size_t most =
-        std::max(triangles.size(), std::clamp(kPiecesPerTriangle * triangles.size(), kPiecesLeast, kPiecesMost));
-    const AlphaMask::Cut cut = mask.cut(triangles, texture.wrap_u, texture.wrap_v, cutoff, most);
-    if (cut.is_whole) return;
-    GltfGeometry pieces;
-    std::vector<std::uint16_t> materials;
-    for (std::size_t i = 0; i < cut.pieces.size(); ++i) {
-      const auto& corners = geometry.triangles[cut.of[i]];
-      const auto first = static_cast<std::uint32_t>(pieces.positions.size());
-      for (const glm::vec3& shares : cut.pieces[i]) {
-        glm::dvec3 position(0);
-        glm::vec2 uv(0);
-        for (std::size_t c = 0; c < 3; ++c) {
-          const float share = shares[static_cast<int>(c)];
-          position += static_cast<double>(share) * geometry.positions[corners[c]];
-          uv += share * geometry.texcoords[corners[c]];
-        }
-        pieces.positions.push_back(position);
-        pieces.texcoords.push_back(uv);
-      }
-      pieces.triangles.push_back({first, first + 1, first + 2});
-      materials.push_back(part.materials[cut.of[i]]);
-    }
-    geometry = std::move(pieces);
-    part.materials = std::move(materials);
+    keep_opaque(coverage, "glTF", {geometry.positions, geometry.triangles, geometry.texcoords, part.materials},
+                builder_);
   }
 
   struct Appearance {

@@ -13,6 +13,7 @@
 #include "baker/import/shared/input_files.h"
 #include "baker/import/shared/scene_builder.h"
 #include "baker/import/shared/texture_images.h"
+#include "baker/import/shared/up_axis.h"
 #include "base/result.h"
 
 namespace zc {

@@ -43,9 +43,9 @@ Result<DecodedImage> decode_image(std::span<const std::byte> encoded) {
   if (begins_with<4>(encoded, {'R', 'I', 'F', 'F'}) && begins_with<4>(encoded, {'W', 'E', 'B', 'P'}, 8))
     return named("WebP", decode_webp(encoded));
   if (begins_with<12>(encoded, {0xAB, 'K', 'T', 'X', ' ', '2', '0', 0xBB, '\r', '\n', 0x1A, '\n'}))
-    return Error{ErrorCode::kUnsupported, "KTX2, which is not read: convert the textures to PNG or WebP"};
+    return named("KTX2", decode_ktx2(encoded));
   if (encoded.empty()) return Error{ErrorCode::kFormat, "no bytes"};
-  return Error{ErrorCode::kUnsupported, "none of JPEG, PNG and WebP"};
+  return Error{ErrorCode::kUnsupported, "none of JPEG, PNG, WebP and KTX2"};
 }
 
 }  // namespace zc

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Encoded images to pixels, each format by its library: JPEG (libjpeg-turbo), PNG (libspng), WebP (libwebp). Untrusted
-// input: what no file of this size can hold is refused before memory is taken, and images larger than a texture needs
-// are reduced while they are decoded, so that one takes at most kDecodedPixels pixels. Thread-safe: no state.
+// Encoded images to pixels, each format by its library: JPEG (libjpeg-turbo), PNG (libspng), WebP (libwebp); of KTX2
+// those of plain texels. Untrusted input: what no file of this size can hold is refused before memory is taken, and
+// images larger than a texture needs are reduced while they are decoded, so that one takes at most kDecodedPixels
+// pixels. Thread-safe: no state.
 #pragma once
 
 #include <cstddef>

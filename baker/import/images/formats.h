@@ -7,6 +7,7 @@
 namespace zc {
 
 Result<DecodedImage> decode_jpeg(std::span<const std::byte> encoded);
+Result<DecodedImage> decode_ktx2(std::span<const std::byte> encoded);
 Result<DecodedImage> decode_png(std::span<const std::byte> encoded);
 Result<DecodedImage> decode_webp(std::span<const std::byte> encoded);
 

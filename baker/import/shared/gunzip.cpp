@@ -24,15 +24,18 @@ class Inflater {
     if (ready_) inflateEnd(&stream_);
   }
 
-  // One stream from the front of `in`, which keeps what is behind it, onto the end of `out`.
+  // One stream from the front of `in`, which keeps what is behind it, onto the end of `out`. limit_of: how long that
+  // may be once so many bytes of `in` are read.
+  template <class LimitOf>
   Status run(std::span<const std::byte>& in, std::vector<std::byte>& out, const std::string& path,
-             std::uint64_t limit_bytes) {
+             const LimitOf& limit_of) {
     if (!ready_ || inflateReset(&stream_) != Z_OK) return Error{ErrorCode::kBudget, "zlib has no memory", path};
     const std::size_t start = in.size();
     for (int state = Z_OK; state != Z_STREAM_END;) {
       const std::size_t had = out.size();
       // One byte more than allowed shows that there are more.
-      const std::uint64_t room = limit_bytes - std::min<std::uint64_t>(had, limit_bytes) + 1;
+      const std::uint64_t allowed = limit_of(start - in.size());
+      const std::uint64_t room = allowed - std::min<std::uint64_t>(had, allowed) + 1;
       const auto step = static_cast<uInt>(std::min<std::uint64_t>(room, std::max(kStepBytes, had / 2)));
       const auto feed = static_cast<uInt>(std::min<std::size_t>(in.size(), std::numeric_limits<uInt>::max() / 2));
       out.resize(had + step);
@@ -44,8 +47,8 @@ class Inflater {
       in = in.subspan(feed - stream_.avail_in);
       out.resize(had + step - stream_.avail_out);
       const auto at = static_cast<std::int64_t>(start - in.size());
-      if (out.size() > limit_bytes)
-        return Error{ErrorCode::kFormat, "unpacks to more than the " + std::to_string(limit_bytes) + " bytes allowed",
+      if (const std::uint64_t limit = limit_of(start - in.size()); out.size() > limit)
+        return Error{ErrorCode::kUnsupported, "unpacks to more than the " + std::to_string(limit) + " bytes allowed",
                      path};
       if (state != Z_OK && state != Z_STREAM_END && !(state == Z_BUF_ERROR && stream_.avail_out == 0))
         return Error{ErrorCode::kFormat,
@@ -73,10 +76,16 @@ bool is_zip(std::span<const std::byte> bytes) {
 }
 
 Result<std::vector<std::byte>> gunzip(std::span<const std::byte> bytes, const std::string& path,
-                                      std::uint64_t limit_bytes) {
+                                      std::uint64_t limit_bytes, std::uint64_t ratio) {
   std::vector<std::byte> out;
   Inflater inflater(kGzipWindow);
-  while (is_gzip(bytes)) ZC_TRY(inflater.run(bytes, out, path, limit_bytes));
+  std::uint64_t read = 0;  // of the members before
+  while (is_gzip(bytes)) {
+    const std::size_t before = bytes.size();
+    ZC_TRY(inflater.run(bytes, out, path,
+                        [&](std::uint64_t more) { return std::max(limit_bytes, ratio * (read + more)); }));
+    read += before - bytes.size();
+  }
   return out;
 }
 
@@ -84,7 +93,7 @@ Result<std::vector<std::byte>> inflate_raw(std::span<const std::byte> bytes, con
                                            std::uint64_t out_bytes) {
   std::vector<std::byte> out;
   Inflater inflater(kRawWindow);
-  ZC_TRY(inflater.run(bytes, out, path, out_bytes));
+  ZC_TRY(inflater.run(bytes, out, path, [&](std::uint64_t) { return out_bytes; }));
   if (out.size() != out_bytes)
     return Error{ErrorCode::kFormat, "unpacks to another size than declared: get the file again", path};
   return out;

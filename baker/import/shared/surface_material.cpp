@@ -7,6 +7,8 @@
 #include <glm/common.hpp>
 #include <utility>
 
+#include "base/text.h"
+
 namespace zc {
 namespace {
 
@@ -174,6 +176,15 @@ ObjectKind kind_of_city_object(std::string_view object_type) {
                                                               "TransportSquare", "Waterway", "WaterBody", "PlantCover"};
   for (const std::string_view name : grounds)
     if (name == object_type) return ObjectKind::kGround;
+  return ObjectKind::kObject;
+}
+
+ObjectKind kind_of_name(std::string_view name) {
+  static constexpr std::array<std::string_view, 7> grounds = {"ground",   "road",         "terrain", "street",
+                                                              "sidewalk", "plaza_ground", "water"};
+  const std::string lower_name = lower(name);
+  for (const std::string_view prefix : grounds)
+    if (lower_name.starts_with(prefix)) return ObjectKind::kGround;
   return ObjectKind::kObject;
 }
 

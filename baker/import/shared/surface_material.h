@@ -48,6 +48,9 @@ bool is_building(std::string_view object_type);
 
 ObjectKind kind_of_city_object(std::string_view object_type);
 
+// Of models that have no types: "ground_1", "Road".
+ObjectKind kind_of_name(std::string_view name);
+
 // The appearance of a surface; `painted` is the mean colour of its texture or its material's colour.
 struct Paint {
   std::optional<glm::vec3> color;

@@ -2,6 +2,7 @@
 #include "baker/import/shared/world_placement.h"
 
 #include <cmath>
+#include <glm/matrix.hpp>
 #include <limits>
 #include <utility>
 
@@ -12,25 +13,12 @@ namespace {
 
 constexpr std::size_t kNameBytes = 80;  // of a reference system, in a message
 
-// What turns a file's axes, whose `up` is given, into z up.
-glm::dmat3 turn_of(UpAxis up) {
-  switch (up) {
-    case UpAxis::kX:
-      return {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}};
-    case UpAxis::kY:
-      return {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
-    case UpAxis::kZ:
-      break;
-  }
-  return glm::dmat3(1);
-}
-
 std::string shown(const ReferenceSystem& system) { return "'" + printable(system.name(), kNameBytes) + "'"; }
 
 }  // namespace
 
 Status WorldPlacement::enter_file(UpAxis up, const std::string& path) {
-  turn_ = turn_of(asked_.up.value_or(up)) * glm::transpose(turn_of(up)) * asked_.scale;
+  turn_ = glm::dmat3(upright(asked_.up.value_or(up)) * glm::transpose(upright(up))) * asked_.scale;
   moves_ = turn_ != glm::dmat3(1) || asked_.offset_m != glm::dvec3(0);
   source_ = metric_ = {};
   gives_metric_ = converts_ = false;

@@ -13,11 +13,10 @@
 
 #include "baker/geo/earth_frame.h"
 #include "baker/geo/reference_system.h"
+#include "baker/import/shared/up_axis.h"
 #include "base/result.h"
 
 namespace zc {
-
-enum class UpAxis : std::uint8_t { kX, kY, kZ };
 
 // What the caller says of an input. In this order: scale, up, offset; then from `crs` to the world's.
 struct Placement {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
-#include <memory>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -16,7 +15,6 @@
 #include "baker/import/tiles/tile_walk.h"
 #include "baker/import/tiles/tileset_file.h"
 #include "baker/import/tiles/web_files.h"
-#include "baker/import/tiles/zip_files.h"
 
 namespace zc {
 namespace {
@@ -75,16 +73,14 @@ Status import_tileset(std::vector<std::byte> bytes, const std::filesystem::path&
   return {};
 }
 
-Status import_tiles_archive(const std::filesystem::path& archive, bool skip_missing, TextureImages& images,
+Status import_tiles_archive(const std::filesystem::path& archive, const TilesetSource& source, TextureImages& images,
                             SceneBuilder& builder) {
-  const std::filesystem::path folder = normal_path(archive);
-  ZC_ASSIGN(const std::unique_ptr<InputFiles> files, open_zip_files(folder));
-  const std::filesystem::path path = folder / "tileset.json";
-  ZC_ASSIGN(std::vector<std::byte> bytes, files->read(path, kMaxFileBytes));
+  const std::filesystem::path path = normal_path(archive) / "tileset.json";
+  ZC_ASSIGN(std::vector<std::byte> bytes, source.files->read(path, kMaxFileBytes));
   if (is_gzip(bytes)) {
     ZC_ASSIGN(bytes, gunzip(bytes, path.string(), kMaxUnpackedBytes));
   }
-  return import_tileset(std::move(bytes), path, {files.get(), skip_missing}, images, builder);
+  return import_tileset(std::move(bytes), path, source, images, builder);
 }
 
 Status import_web_tiles(const std::string& url, bool skip_missing, TextureImages& images, SceneBuilder& builder) {

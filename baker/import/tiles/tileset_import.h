@@ -28,8 +28,8 @@ struct TilesetSource {
 Status import_tileset(std::vector<std::byte> bytes, const std::filesystem::path& path, const TilesetSource& source,
                       TextureImages& images, SceneBuilder& builder);
 
-// A tileset in a ZIP archive (.3tz).
-Status import_tiles_archive(const std::filesystem::path& archive, bool skip_missing, TextureImages& images,
+// A tileset in a ZIP archive (.3tz), whose files `source` has.
+Status import_tiles_archive(const std::filesystem::path& archive, const TilesetSource& source, TextureImages& images,
                             SceneBuilder& builder);
 
 // A tileset, or a tile's content, on a web server.

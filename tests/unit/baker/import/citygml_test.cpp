@@ -162,7 +162,7 @@ TEST_F(CityGml, WhatIsWrongIsNamedWithItsPlace) {
     EXPECT_EQ(scene.error().describe().find('\n'), std::string::npos);
   };
   refused("<a><b></a>", "invalid XML");
-  refused("<kml/>", "root is kml, not a CityModel: expected a CityModel of CityGML 1.0, 2.0 or 3.0");
+  refused("<city/>", "root is city, not a CityModel: expected a CityModel of CityGML 1.0, 2.0 or 3.0");
   for (const char* other : {"http://www.opengis.net/citygml/4.0", "http://www.citygml.org/citygml/1/0/0"})
     refused("<CityModel xmlns=\"" + std::string(other) + "\"/>",
             "'" + std::string(other) + "': expected a CityModel of");

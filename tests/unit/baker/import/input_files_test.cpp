@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Inputs that are more than one plain file: folders, gzip, ZIP archives.
-#include <zlib.h>
-
 #include <sys/resource.h>
 
 #include "tests/unit/baker/import/deflated.h"
@@ -9,43 +7,6 @@
 
 namespace zc::test {
 namespace {
-
-struct ZipEntry {
-  std::string name;
-  std::string text;
-  std::uint16_t flags = 0;
-  std::uint16_t method = 8;
-};
-
-std::string zipped(const std::vector<ZipEntry>& entries) {
-  std::string file;
-  std::string directory;
-  for (const auto& [name, text, flags, method] : entries) {
-    const std::string packed = method == 8 ? deflated(text, -15) : text;
-    std::string common;  // of both headers
-    append(common, std::uint16_t{20});
-    append(common, flags);
-    append(common, method);
-    append(common, std::uint32_t{0x21});  // 1 January 1980
-    append(common, static_cast<std::uint32_t>(
-                       crc32(0, reinterpret_cast<const Bytef*>(text.data()), static_cast<uInt>(text.size()))));
-    append(common, static_cast<std::uint32_t>(packed.size()));
-    append(common, static_cast<std::uint32_t>(text.size()));
-    append(common, static_cast<std::uint16_t>(name.size()));
-    append(common, std::uint16_t{0});
-    directory += std::string("PK\x01\x02") + std::string("\x14\0", 2) + common + std::string(10, '\0');
-    append(directory, static_cast<std::uint32_t>(file.size()));
-    directory += name;
-    file += "PK\x03\x04" + common + name + packed;
-  }
-  std::string end = std::string("PK\x05\x06") + std::string(4, '\0');
-  append(end, static_cast<std::uint16_t>(entries.size()));
-  append(end, static_cast<std::uint16_t>(entries.size()));
-  append(end, static_cast<std::uint32_t>(directory.size()));
-  append(end, static_cast<std::uint32_t>(file.size()));
-  append(end, std::uint16_t{0});
-  return file + directory + end;
-}
 
 class Inputs : public ImportTest {
  protected:
@@ -172,8 +133,11 @@ TEST_F(Inputs, ArchivesGiveTheirModelsWithTheirImages) {
   ASSERT_TRUE(json.ok()) << json.error().describe();
   EXPECT_EQ(json->texcoords.size(), 1U);
 
+  const auto zstandard = import(write("zstd.zip", zipped({{"a.gml", house("a", 4), 0, 93}})));
+  ASSERT_TRUE(zstandard.ok()) << zstandard.error().describe();
+  EXPECT_EQ(area(*zstandard), 16);
   refused(write("secret.zip", zipped({{"a.gml", house("a", 4), 1}})), "secret.zip/a.gml", "is encrypted");
-  refused(write("other.zip", zipped({{"a.gml", house("a", 4), 0, 14}})), "other.zip/a.gml", "method of its own");
+  refused(write("other.zip", zipped({{"a.gml", house("a", 4), 0, 14}})), "other.zip/a.gml", "compressed by method 14");
   refused(write("twice.zip", zipped({{"a.gml.gz", gzipped(house("a", 4))}})), "twice.zip/a.gml.gz", "packed once more");
   refused(write("none.zip", zipped({{"readme.txt", "hello"}})), "none.zip", "an archive without city models");
   refused(write("broken.zip", zipped({{"a.gml", house("a", 4) + "<"}})), "broken.zip/a.gml", "invalid XML");
