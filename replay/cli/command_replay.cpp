@@ -43,7 +43,8 @@ struct Arguments {
   unsigned threads = 0;
   double tolerance = 0.002;
   double look_ahead_s = 2;
-  bool no_render = false, validate = false, contact_sheet = false, leave_nothing_out = false, trace = false;
+  bool no_render = false, validate = false, contact_sheet = false, leave_nothing_out = false, trace = false,
+       allow_failures = false;
 };
 
 Status parse_kernel(const std::string& text, ReplayOptions& options) {
@@ -113,12 +114,32 @@ Result<ReplayOptions> to_options(const Arguments& a) {
   return options;
 }
 
+std::string counted(std::uint64_t count, const char* what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+// What the last frame asks for and could not be read: a replay in CI must not pass with coarser pages in its place.
+Status check_failures(const ReplayReport& report, const std::string& world) {
+  const bool is_host = report.streaming.failing.count == 0;
+  const FailingNodes& failing = is_host ? report.host_failing : report.streaming.failing;
+  if (failing.count == 0) return {};
+  const std::string cause = failing.cause ? ", the first because " + failing.cause->describe() : "";
+  return Error{ErrorCode::kIo,
+               counted(failing.count, is_host ? "full-detail node" : "node") +
+                   " of the last frame could not be read and coarser pages stand in" + cause +
+                   "; repair the world or its server, or accept that with --allow-failures",
+               world};
+}
+
 void print_summary(const ReplayReport& report) {
   const StreamerStatistics& s = report.streaming;
   std::cout << s.frames << " frames, " << s.frames_over_cap << " over the cap of " << format_bytes(s.cap_bytes)
             << "; ledger peak " << format_bytes(s.ledger.peak_bytes) << '\n'
             << s.zones_loaded << " zones loaded, " << s.zones_evicted << " evicted, " << s.requests.failed
-            << " requests failed\n";
+            << " requests failed\n"
+            << "wanted level in " << std::fixed << std::setprecision(1) << 100 * s.wanted_level_fraction()
+            << " % of the frames; " << counted(s.failed_nodes, "node") << " failed, " << s.failing.count
+            << " of them to the end\n";
   if (report.rendered_frames > 0) {
     std::cout << report.rays.total << " rays: " << report.rays.screen << " screen, " << report.rays.proxy << " proxy, "
               << report.rays.proxy_coarse << " coarse proxy, " << report.rays.sky << " sky, " << report.rays.lost
@@ -140,6 +161,7 @@ Status run(const Arguments& arguments) {
   ZC_TRY(write_json(arguments.json, text));
   if (report.validation_messages > 0)
     return Error{ErrorCode::kDevice, std::to_string(report.validation_messages) + " Vulkan validation messages"};
+  if (!arguments.allow_failures) ZC_TRY(check_failures(report, arguments.world.place));
   return {};
 }
 
@@ -216,6 +238,8 @@ void add_replay(CLI::App& app, const SetCommand& set) {
       ->capture_default_str();
   command->add_flag("--validate", a->validate,
                     "Vulkan validation layers with synchronisation validation; exit 1 when they report anything");
+  command->add_flag("--allow-failures", a->allow_failures,
+                    "Exit code 0 although pages that the last frame asks for could not be read");
   command->add_flag("--leave-nothing-out", a->leave_nothing_out, "Run the general pipeline, to measure what is saved");
   command->callback([=] { set([=] { return run(*a); }); });
 }

@@ -30,8 +30,7 @@ nlohmann::ordered_json statistics_json(const ReplayReport& report) {
   summary["reloads_optimal"] = nullptr;
   if (report.optimal) summary["reloads_optimal"] = report.optimal->reloads;
   summary["thrash"] = s.thrash;
-  summary["wanted_level_fraction"] =
-      s.frames == 0 ? 1.0 : static_cast<double>(s.wanted_level_frames) / static_cast<double>(s.frames);
+  summary["wanted_level_fraction"] = s.wanted_level_fraction();
   summary["request_to_resident_ms"] = percentiles(s.request_to_resident_ms);
   nlohmann::ordered_json state_ms;
   for (std::size_t i = 0; i < kLoadStateCount; ++i) state_ms[kLoadStateNames[i]] = percentiles(s.state_ms[i]);
@@ -44,6 +43,9 @@ nlohmann::ordered_json statistics_json(const ReplayReport& report) {
                          {"cancelled", s.requests.cancelled},
                          {"failed", s.requests.failed},
                          {"retried", s.requests.retried}};
+  summary["failed_nodes"] = s.failed_nodes;
+  summary["failing_nodes"] = s.failing.count;
+  summary["host_failing_nodes"] = report.host_failing.count;
   summary["bytes_read"] = s.bytes_read;
   summary["bytes_read_optimal"] = nullptr;
   if (report.optimal) summary["bytes_read_optimal"] = report.optimal->bytes_read;
