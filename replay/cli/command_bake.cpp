@@ -35,6 +35,7 @@ struct Arguments {
   std::vector<std::string> inputs;
   std::string out;
   JsonOption json;
+  ProgressOption progress;
   std::optional<std::string> sun;
   ImportOptions import;
   std::string materials;
@@ -99,7 +100,7 @@ Status run(const Arguments& arguments) {
   ImportOptions import = arguments.import;
   ZC_TRY(read_material_rules(arguments, import.materials));
   ZC_TRY(read_ground_plane(arguments.ground_plane, import));
-  Progress progress;
+  std::optional<Progress> progress(std::in_place, arguments.progress);
   BakeOptions options = arguments.options;
   if (arguments.sun) {
     ZC_ASSIGN(options.sun, parse_sun(*arguments.sun));
@@ -107,8 +108,8 @@ Status run(const Arguments& arguments) {
       return Error{ErrorCode::kArgument, "a sun below the horizon lights nothing: '" + *arguments.sun + "'"};
     if (!options.light) return Error{ErrorCode::kArgument, "--sun needs light"};
   }
-  options.progress = [&](double fraction, std::string_view stage) { progress.update(fraction, stage); };
-  progress.update(0, "import");
+  options.progress = [&](double fraction, std::string_view stage) { progress->update(fraction, stage); };
+  progress->update(0, "import");
   const auto started = std::chrono::steady_clock::now();
   const std::vector<std::filesystem::path> inputs(arguments.inputs.begin(), arguments.inputs.end());
   ZC_ASSIGN(Scene scene, import_inputs(inputs, import));
@@ -121,6 +122,8 @@ Status run(const Arguments& arguments) {
     return error;
   }
   const BakeReport& report = *baked;
+  progress->finish();
+  progress.reset();  // its bar goes before the summary comes
 
   for (const auto* notes : {&report.notes, &report.repair.counts})
     for (const ImportCount& note : *notes) {
@@ -129,7 +132,8 @@ Status run(const Arguments& arguments) {
     }
   if (report.interior_faces > 0)
     spdlog::info("faces that can be seen from nowhere outside, left out: {}", report.interior_faces);
-  if (!arguments.json.replaces_text()) print_summary(arguments, report, had_cache && options.reuse);
+  if (!arguments.json.replaces_text() && !arguments.progress.quiet)
+    print_summary(arguments, report, had_cache && options.reuse);
   if (!arguments.json.asked) return {};
   ZC_ASSIGN(const std::vector<std::byte> json,
             read_file(std::filesystem::path(arguments.out) / kBakeReportName, kReportLimitBytes));
@@ -184,6 +188,7 @@ void add_bake(CLI::App& app, const SetCommand& set) {
   command->add_option("--threads", arguments->options.threads, "Threads (0: all cores)")
       ->capture_default_str()
       ->check(CLI::Range(0U, 256U));
+  add_progress_options(*command, arguments->progress);
   command->callback([=] { set([=] { return run(*arguments); }); });
 }
 

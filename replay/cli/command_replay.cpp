@@ -4,12 +4,12 @@
 #include <cmath>
 #include <iomanip>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
 #include <thread>
 
 #include "base/file.h"
+#include "replay/cli/choice_option.h"
 #include "replay/cli/commands.h"
 #include "replay/cli/json_option.h"
 #include "replay/cli/progress.h"
@@ -27,6 +27,7 @@ namespace {
 struct Arguments {
   WorldOption world;
   JsonOption json;
+  ProgressOption progress;
   std::string out;
   std::vector<std::string> paths;
   std::string cap;
@@ -47,6 +48,12 @@ struct Arguments {
        allow_failures = false;
 };
 
+std::vector<std::string> kernel_names() {
+  std::vector<std::string> names = {"auto", "measure", "packets64", "packets32", "packets16", "single"};
+  for (const TraceVariant& variant : all_trace_variants()) names.push_back(trace_variant_name(variant));
+  return names;
+}
+
 Status parse_kernel(const std::string& text, ReplayOptions& options) {
   options.kernel = text == "auto"      ? KernelChoice::kAuto
                    : text == "measure" ? KernelChoice::kMeasure
@@ -57,8 +64,8 @@ Status parse_kernel(const std::string& text, ReplayOptions& options) {
   }
   const auto variant = parse_trace_variant(text);
   if (!variant)
-    return Error{ErrorCode::kArgument,
-                 "no kernel is called '" + text + "' (auto, measure, or " + std::string(kTraceVariantNames) + ")"};
+    return Error{ErrorCode::kArgument, "no kernel is called '" + text + "' (auto, measure, or " +
+                                           std::string(kTraceVariantNames) + ")" + did_you_mean(text, kernel_names())};
   options.renderer.trace = *variant;
   return {};
 }
@@ -151,13 +158,18 @@ void print_summary(const ReplayReport& report) {
 
 Status run(const Arguments& arguments) {
   ZC_ASSIGN(ReplayOptions options, to_options(arguments));
-  Progress progress;
-  options.progress = [&](double fraction, std::string_view stage) { progress.update(fraction, stage); };
+  std::optional<Progress> progress(std::in_place, arguments.progress);
+  progress->update(0, "replay");
+  options.progress = [&](std::uint64_t done, std::uint64_t frames) {
+    progress->update(static_cast<double>(done) / static_cast<double>(frames), "replay", {done, frames, "frames"});
+  };
   options.on_failure = [](const Error& error) { spdlog::warn("{}", error.describe()); };
   ZC_ASSIGN(const ReplayReport report, run_replay(options));
+  progress->finish();
+  progress.reset();  // its bar goes before the summary comes
   const std::string text = statistics_json(report).dump(2) + "\n";
   if (!options.out.empty()) ZC_TRY(write_file(options.out / "stats.json", std::as_bytes(std::span(text))));
-  if (!arguments.json.replaces_text()) print_summary(report);
+  if (!arguments.json.replaces_text() && !arguments.progress.quiet) print_summary(report);
   ZC_TRY(write_json(arguments.json, text));
   if (report.validation_messages > 0)
     return Error{ErrorCode::kDevice, std::to_string(report.validation_messages) + " Vulkan validation messages"};
@@ -182,29 +194,27 @@ void add_replay(CLI::App& app, const SetCommand& set) {
   command->add_option("--frames", a->frames, "Path samples A (inclusive) to B (exclusive): A:B, A:B:STEP or all");
   command->add_option("--size", a->size, "Picture size")->capture_default_str();
   command->add_flag("--no-render", a->no_render, "Page only: no device, no pictures");
-  command
-      ->add_option("--reflections", a->reflections,
-                   "ssr+proxy: screen first, then proxies; proxy: proxies only; full: full detail; none: sky only")
-      ->transform(
-          CLI::CheckedTransformer(std::map<std::string, ReflectionMode>{{"ssr+proxy", ReflectionMode::kScreenAndProxy},
-                                                                        {"proxy", ReflectionMode::kProxy},
-                                                                        {"full", ReflectionMode::kFull},
-                                                                        {"none", ReflectionMode::kNone}}))
-      ->option_text("ssr+proxy|proxy|full|none [ssr+proxy]");
-  command->add_option("--debug-views", a->debug_views, "Also write these, per frame; separated by commas")
+  add_choice_option<ReflectionMode>(
+      *command, "--reflections", a->reflections,
+      {{"ssr+proxy", ReflectionMode::kScreenAndProxy},
+       {"proxy", ReflectionMode::kProxy},
+       {"full", ReflectionMode::kFull},
+       {"none", ReflectionMode::kNone}},
+      "ssr+proxy: screen first, then proxies; proxy: proxies only; full: full detail; none: sky only", "ssr+proxy");
+  add_choice_option<DebugView>(*command, "--debug-views", a->debug_views,
+                               {{"provenance", DebugView::kProvenance},
+                                {"bvh", DebugView::kBvh},
+                                {"normals", DebugView::kNormals},
+                                {"depth", DebugView::kDepth}},
+                               "Also write these, per frame; separated by commas")
       ->delimiter(',')
-      ->transform(CLI::CheckedTransformer(std::map<std::string, DebugView>{{"provenance", DebugView::kProvenance},
-                                                                           {"bvh", DebugView::kBvh},
-                                                                           {"normals", DebugView::kNormals},
-                                                                           {"depth", DebugView::kDepth}}))
       ->option_text("provenance,bvh,normals,depth");
   command->add_flag("--contact-sheet", a->contact_sheet, "Also write contact_sheet.png: twelve frames on one picture");
   command->add_option("--sun", a->sun,
                       "Sun: azimuth (degrees clockwise from north), elevation [the world's, else 145,38]");
-  command->add_option("--clock", a->clock, "virtual: same path, same log; wall: measures this machine")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, ClockKind>{{"virtual", ClockKind::kVirtual}, {"wall", ClockKind::kWall}}))
-      ->option_text("virtual|wall [virtual]");
+  add_choice_option<ClockKind>(*command, "--clock", a->clock,
+                               {{"virtual", ClockKind::kVirtual}, {"wall", ClockKind::kWall}},
+                               "virtual: same path, same log; wall: measures this machine", "virtual");
   command->add_option("--source-latency", a->latency, "Modelled source: latency of a request (virtual clock)")
       ->capture_default_str();
   command->add_option("--source-bandwidth", a->bandwidth, "Modelled source: bandwidth, e.g. 20MB/s [unlimited]");
@@ -217,13 +227,9 @@ void add_replay(CLI::App& app, const SetCommand& set) {
   command->add_option("--look-ahead", a->look_ahead_s, "Seconds of the path that paging looks ahead")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 60.0));
-  command
-      ->add_option("--prediction", a->prediction,
-                   "What paging looks ahead along: the path itself, or each camera's "
-                   "velocity, as for a live camera")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Prediction>{{"path", Prediction::kPath}, {"velocity", Prediction::kVelocity}}))
-      ->option_text("path|velocity [path]");
+  add_choice_option<Prediction>(
+      *command, "--prediction", a->prediction, {{"path", Prediction::kPath}, {"velocity", Prediction::kVelocity}},
+      "What paging looks ahead along: the path itself, or each camera's velocity, as for a live camera", "path");
   command->add_option("--upload-budget", a->upload_budget, "Bytes of pages that a frame may upload [unlimited]");
   command->add_flag("--trace", a->trace,
                     "Also write trace.json: what paging did and when, for Perfetto or chrome://tracing");
@@ -241,6 +247,7 @@ void add_replay(CLI::App& app, const SetCommand& set) {
   command->add_flag("--allow-failures", a->allow_failures,
                     "Exit code 0 although pages that the last frame asks for could not be read");
   command->add_flag("--leave-nothing-out", a->leave_nothing_out, "Run the general pipeline, to measure what is saved");
+  add_progress_options(*command, a->progress);
   command->callback([=] { set([=] { return run(*a); }); });
 }
 

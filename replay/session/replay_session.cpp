@@ -85,8 +85,7 @@ class Session {
     started_ = Clock::now();
     for (std::uint64_t i = 0; i < frames_.count(); ++i) {
       ZC_TRY(replay_frame(frames_.at(i)));
-      if (options_.progress)
-        options_.progress(static_cast<double>(i + 1) / static_cast<double>(frames_.count()), "replay");
+      if (options_.progress) options_.progress(i + 1, frames_.count());
     }
     return {};
   }
