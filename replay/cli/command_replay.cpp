@@ -8,7 +8,6 @@
 #include <optional>
 #include <thread>
 
-#include "base/file.h"
 #include "replay/cli/choice_option.h"
 #include "replay/cli/commands.h"
 #include "replay/cli/json_option.h"
@@ -167,10 +166,8 @@ Status run(const Arguments& arguments) {
   ZC_ASSIGN(const ReplayReport report, run_replay(options));
   progress->finish();
   progress.reset();  // its bar goes before the summary comes
-  const std::string text = statistics_json(report).dump(2) + "\n";
-  if (!options.out.empty()) ZC_TRY(write_file(options.out / "stats.json", std::as_bytes(std::span(text))));
   if (!arguments.json.replaces_text() && !arguments.progress.quiet) print_summary(report);
-  ZC_TRY(write_json(arguments.json, text));
+  ZC_TRY(write_json(arguments.json, statistics_text(report)));
   if (report.validation_messages > 0)
     return Error{ErrorCode::kDevice, std::to_string(report.validation_messages) + " Vulkan validation messages"};
   if (!arguments.allow_failures) ZC_TRY(check_failures(report, arguments.world.place));

@@ -12,6 +12,7 @@
 #include "replay/session/replay_drawing.h"
 #include "replay/session/replay_files.h"
 #include "replay/session/replay_statistics.h"
+#include "replay/session/statistics_json.h"
 #include "streamer/open_source.h"
 #include "streamer/statistics/belady.h"
 
@@ -39,7 +40,7 @@ class Session {
     if (!options_.out.empty()) ZC_TRY(open_files());
     ZC_TRY(replay_frames());
     ReplayReport report = make_report();
-    if (files_) ZC_TRY(files_->close());
+    if (files_) ZC_TRY(files_->close(statistics_text(report)));
     return report;
   }
 

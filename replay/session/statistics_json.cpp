@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "replay/session/statistics_json.h"
 
+#include <nlohmann/json.hpp>
+
 namespace zc {
 
 namespace {
@@ -8,8 +10,6 @@ namespace {
 nlohmann::ordered_json percentiles(const LatencySummary& s) {
   return {{"p50", s.p50_ms}, {"p95", s.p95_ms}, {"p99", s.p99_ms}, {"max", s.max_ms}};
 }
-
-}  // namespace
 
 nlohmann::ordered_json statistics_json(const ReplayReport& report) {
   const StreamerStatistics& s = report.streaming;
@@ -87,5 +87,9 @@ nlohmann::ordered_json statistics_json(const ReplayReport& report) {
                                          {"cache_damaged", report.source.cache_damaged}};
   return {{"summary", std::move(summary)}, {"ledger", std::move(ledger)}, {"source", source}};
 }
+
+}  // namespace
+
+std::string statistics_text(const ReplayReport& report) { return statistics_json(report).dump(2) + "\n"; }
 
 }  // namespace zc

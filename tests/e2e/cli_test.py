@@ -7,7 +7,7 @@ import subprocess
 import support
 
 HELP_LINES, HELP_COLUMNS, OPTION_LINES = 55, 110, 2
-COMMANDS = ((), ("generate",), ("bake",), ("inspect",), ("pack",), ("serve",), ("compare",), ("replay",), ("bench",),
+COMMANDS = ((), ("generate",), ("bake",), ("inspect",), ("pack",), ("serve",), ("caps",), ("compare",), ("replay",), ("bench",),
             ("bench", "build"), ("bench", "trace"), ("bench", "top-level"), ("bench", "paging"))
 REPORTS = [command for command in COMMANDS if command not in ((), ("bench",))]
 
@@ -34,6 +34,7 @@ class Json(support.Case):
             (("inspect", self.world), "zones"),
             (("pack", self.world, "-o", self.folder / "world.3tz"), "archive"),
             (("compare", self.world, "--size", "64x36", "--frames", "0:1", *path, "-o", self.folder / "compared"), "levels"),
+            (("caps", self.world, *path), "caps"),
             (("replay", self.world, "--no-render", "--cap", "16MiB", *path), "summary"),
             (("bench", "build", "--triangles", self.triangles, "--repeat", "1"), "rows"),
             (("bench", "trace", "--triangles", self.triangles, "--rays", self.rays, "--repeat", "1", "--engines", "bvh2"),

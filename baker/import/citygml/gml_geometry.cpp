@@ -92,7 +92,7 @@ Result<glm::dvec3> GmlGeometry::to_world(const glm::dvec3& point, const pugi::xm
                      path_);
   if (!earth_) {
     earth_.emplace(place);
-    builder_.note("geographic coordinates, moved to a local frame");
+    builder_.remark("geographic coordinates, moved to a local frame");
   }
   if (!crs_set_) ZC_TRY(builder_.set_crs(earth_->crs(), path_));
   crs_set_ = true;

@@ -281,12 +281,12 @@ class GltfImport {
     }
     if (mask == nullptr || part.geometry.texcoords.empty()) {
       if (share > 0) return;
-      builder_.note("glTF triangles that their alpha leaves nothing of, left out", part.geometry.triangles.size());
+      builder_.remark("glTF triangles that their alpha leaves nothing of, left out", part.geometry.triangles.size());
       part.geometry.triangles.clear();
       part.materials.clear();
       return;
     }
-    builder_.note("glTF triangles with transparent parts, which were cut off", part.geometry.triangles.size());
+    builder_.remark("glTF triangles with transparent parts, which were cut off", part.geometry.triangles.size());
     cut_by_mask(*mask, *material.texture, static_cast<float>(cutoff / factor), part);
   }
 
