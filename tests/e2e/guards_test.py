@@ -38,6 +38,15 @@ class Strict(support.Case):
         path.write_text(json.dumps(city))
         self.assert_refused(["bake", path, "-o", self.folder / "none", "--strict"], FAILURE, "texture")
 
+    def test_what_takes_nothing_from_the_city_is_no_loss(self):
+        city = json.loads(self.city.read_text())
+        city["metadata"]["referenceSystem"] = "EPSG of our town"
+        path = self.folder / "noted.json"
+        path.write_text(json.dumps(city))
+        done = self.run_zonecast("bake", path, "-o", self.folder / "noted", "--strict")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("reference systems without an EPSG code", done.stderr)
+
     def test_a_whole_city_is_baked_as_without_the_option(self):
         worlds = [self.folder / name for name in ("plain", "strict")]
         self.zonecast("bake", self.city, "-o", worlds[0])
