@@ -112,7 +112,7 @@ Result<BakeReport> bake(Scene&& scene, double import_s, const BakeOptions& optio
                                     std::move(appearance.atlas_sizes)});
   report.seconds = BakeSeconds::of(context, import_s);
   report.peak_rss_bytes = peak_rss_bytes();
-  ZC_TRY(writer.write_text(kBakeReportName, bake_json(report)));
+  ZC_TRY(writer.write_text(kBakeReportName, bake_json(report, options)));
   return report;
 }
 

@@ -11,6 +11,7 @@
 #include "baker/bake_report.h"
 #include "baker/bvh/build_wide.h"
 #include "baker/scene/bake_context.h"
+#include "baker/scene/bake_origin.h"
 #include "baker/scene/scene.h"
 #include "baker/write/world_writer.h"
 #include "base/result.h"
@@ -30,6 +31,7 @@ struct BakeOptions {
   std::int32_t step_log2 = kDefaultStepLog2;
   // Proxies and light of the world that is replaced, where what they were made of is the same; keeps them too.
   bool reuse = true;
+  BakeOrigin origin;  // for bake.json
   BakeContext::Report progress;
 };
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/bake_report.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <span>
+
+#include "baker/bake.h"
 
 namespace zc {
 namespace {
@@ -49,6 +52,40 @@ Json to_json(std::span<const LeftOut> left_out, std::span<const ImportCount> not
   return list;
 }
 
+Json to_json(const InputIdentity& input) {
+  Json json = {{"path", input.path}, {"bytes", nullptr}, {"xxh3", nullptr}};
+  if (input.bytes) {
+    json["bytes"] = *input.bytes;
+    json["xxh3"] = input.xxh3;
+  }
+  return json;
+}
+
+Json to_json(const BakeOptions& options) {
+  const auto methods = bvh_methods();
+  const auto method = std::ranges::find(methods, options.bvh.method, &BvhMethodName::method);
+  const BakeOrigin& origin = options.origin;
+  Json json = {{"error_m", options.error_m},
+               {"leaf_triangles", options.leaf_triangles},
+               {"bvh", method == methods.end() ? "" : method->name},
+               {"atlas", options.atlas_size},
+               {"light", options.light},
+               {"sun", nullptr},
+               {"exterior", options.exterior},
+               {"step_log2", options.step_log2},
+               {"reuse", options.reuse},
+               {"threads", options.threads},
+               {"skip_missing", origin.skip_missing},
+               {"strict", origin.strict},
+               {"materials", nullptr},
+               {"wet", origin.wet},
+               {"ground_plane", nullptr}};
+  if (options.sun) json["sun"] = {options.sun->azimuth_deg, options.sun->elevation_deg};
+  if (origin.materials) json["materials"] = to_json(*origin.materials);
+  if (!origin.ground_plane.empty()) json["ground_plane"] = origin.ground_plane;
+  return json;
+}
+
 }  // namespace
 
 BakeSeconds BakeSeconds::of(const BakeContext& context, double import_s) {
@@ -68,9 +105,15 @@ BakeSeconds BakeSeconds::of(const BakeContext& context, double import_s) {
   return out;
 }
 
-std::string bake_json(const BakeReport& report) {
+std::string bake_json(const BakeReport& report, const BakeOptions& options) {
   Json json;
   json["bake_s"] = to_json(report.seconds);
+  json["version"] = nullptr;
+  if (!options.origin.version.empty()) json["version"] = options.origin.version;
+  json["format"] = kWorldVersion;
+  json["inputs"] = Json::array();
+  for (const InputIdentity& input : options.origin.inputs) json["inputs"].push_back(to_json(input));
+  json["options"] = to_json(options);
   json["peak_rss_bytes"] = report.peak_rss_bytes;
   json["source_triangles"] = report.index.header.source_triangles;
   json["nodes"] = report.index.nodes.size();

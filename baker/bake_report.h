@@ -19,6 +19,8 @@ inline constexpr const char* kBakeReportName = "bake.json";
 // As `replay` has it by default (ReflectionOptions::roughness_cut).
 inline constexpr float kReflectingRoughness = 0.35F;
 
+struct BakeOptions;
+
 struct BakeSeconds {  // wall clock
   double total = 0;
   double import_s = 0;
@@ -52,6 +54,6 @@ struct BakeReport {
   DiskParts detail;
 };
 
-std::string bake_json(const BakeReport& report);
+std::string bake_json(const BakeReport& report, const BakeOptions& options);
 
 }  // namespace zc

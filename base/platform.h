@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the operating system is asked about this process and its allocator; a port to another system begins here. Linux
 // with glibc. The other places that know the system: base/file.cpp (files), base/large_allocator.h (huge pages),
-// baker/write (folder locks, renames that reach the disk), streamer/source/http/client.cpp (signals), replay/serve
-// (sockets). Vector registers: base/simd.h. Thread-safe: no state, where a comment does not say otherwise.
+// base/folder_lock.cpp (locks), baker/write (renames that reach the disk), streamer/source/http/client.cpp (signals),
+// replay/serve (sockets). Vector registers: base/simd.h. Thread-safe: no state, where a comment does not say otherwise.
 #pragma once
 
 #include <cstdint>

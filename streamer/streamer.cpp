@@ -33,6 +33,9 @@ bool worse_eviction(const Eviction& a, const Eviction& b) {
   return a.loss != b.loss ? a.loss > b.loss : a.node < b.node;
 }
 
+// Causes of failures that are kept at once, so that a server's words take no memory without bound.
+constexpr std::size_t kKeptCauses = 8;
+
 }  // namespace
 
 class Streamer::Impl {
@@ -131,6 +134,7 @@ class Streamer::Impl {
     out.request_to_resident_ms = latencies_.summary();
     for (std::size_t s = 0; s < kLoadStateCount; ++s) out.state_ms[s] = states_[s].summary();
     out.event_log_xxh3 = events_.hash();
+    out.failing = failing_nodes();
     return out;
   }
 
@@ -362,10 +366,28 @@ class Streamer::Impl {
     node.retry_at_s = time_s_ + std::max(retry_delay_s(node.failures), error.retry_after_s);
     ++stats_.requests.failed;
     events_.record(frame_, EventKind::kFail, n);
+    keep_cause(n, error);
     if (node.failed_before != 0) return;
     node.failed_before = 1;
     ++stats_.failed_nodes;
     if (options_.on_failure) options_.on_failure(error);
+  }
+
+  [[nodiscard]] bool is_failing(std::uint32_t n) const {
+    return nodes_[n].failures > 0 && selected(n) && !pool_.nodes().covered(n);
+  }
+
+  void keep_cause(std::uint32_t n, const Error& error) {
+    std::erase_if(causes_, [&](const auto& kept) { return kept.first == n || !is_failing(kept.first); });
+    if (causes_.size() < kKeptCauses) causes_.emplace_back(n, error);
+  }
+
+  [[nodiscard]] FailingNodes failing_nodes() const {
+    FailingNodes out;
+    for (const std::uint32_t n : selection_.nodes) out.count += is_failing(n) ? 1 : 0;
+    const auto kept = std::ranges::find_if(causes_, [&](const auto& one) { return is_failing(one.first); });
+    if (kept != causes_.end()) out.cause = kept->second;
+    return out;
   }
 
   // --- the pool ---
@@ -499,6 +521,7 @@ class Streamer::Impl {
   std::optional<ErrorMeter> error_of_;
   std::optional<ErrorMeter> error_now_;
   std::vector<Load> loads_;
+  std::vector<std::pair<std::uint32_t, Error>> causes_;  // of nodes that are failing, the first first
   std::uint64_t next_ticket_ = 1;
 
   std::vector<PagingObserver*> observers_;

@@ -54,6 +54,7 @@ struct ImportCount {
   std::uint64_t count = 0;
   std::vector<std::string> names = {};  // of the files that it befell, or the place where it did first, if known
   bool is_missing = false;              // parts of the input that are not there: the city is not whole
+  bool is_loss = true;                  // or the same city, read in another way
 };
 
 // v downwards, as in glTF.

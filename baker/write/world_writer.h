@@ -14,7 +14,7 @@
 #include <string>
 #include <string_view>
 
-#include "baker/write/folder_lock.h"
+#include "base/folder_lock.h"
 #include "base/result.h"
 
 namespace zc {

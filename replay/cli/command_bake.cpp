@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "baker/bake.h"
+#include "baker/import/identify_input.h"
 #include "baker/import/import.h"
 #include "baker/import/stray_objects.h"
 #include "baker/scene/bake_cache.h"
@@ -23,6 +24,7 @@
 #include "replay/cli/json_option.h"
 #include "replay/cli/progress.h"
 #include "replay/session/units.h"
+#include "streamer/source/source.h"
 
 namespace zc {
 namespace {
@@ -35,10 +37,11 @@ struct Arguments {
   std::vector<std::string> inputs;
   std::string out;
   JsonOption json;
+  ProgressOption progress;
   std::optional<std::string> sun;
   ImportOptions import;
   std::string materials;
-  bool wet = false;
+  bool wet = false, strict = false;
   std::string ground_plane;
   BakeOptions options;
 };
@@ -88,18 +91,67 @@ void print_summary(const Arguments& arguments, const BakeReport& report, bool re
             << (report.reflecting_share > 0 ? "" : ": --wet or --materials makes a world that does") << '\n';
 }
 
+Result<BakeOrigin> origin_of(const Arguments& arguments) {
+  BakeOrigin origin{.version = ZONECAST_VERSION,
+                    .ground_plane = arguments.ground_plane,
+                    .wet = arguments.wet,
+                    .skip_missing = arguments.import.skip_missing,
+                    .strict = arguments.strict};
+  for (const std::string& input : arguments.inputs) {
+    ZC_ASSIGN(origin.inputs.emplace_back(), identify_input(input));
+  }
+  if (!arguments.materials.empty()) {
+    ZC_ASSIGN(origin.materials, identify_input(arguments.materials));
+  }
+  return origin;
+}
+
+// An input that the bake would replace, or empty as what an earlier one left.
+Status check_apart(const std::filesystem::path& input, const std::filesystem::path& out) {
+  std::error_code code;
+  const std::filesystem::path target = std::filesystem::absolute(out, code).lexically_normal();
+  const std::filesystem::path world = target.has_filename() ? target : target.parent_path();
+  const std::filesystem::path beside = world.parent_path() / ("." + world.filename().string() + ".baking");
+  std::filesystem::path at = std::filesystem::weakly_canonical(input, code);
+  if (code || is_url(input.native())) return {};  // who opens it says why
+  for (; at.has_relative_path(); at = at.parent_path())
+    for (const std::filesystem::path& taken : {world, beside})
+      if (std::filesystem::equivalent(at, taken, code))
+        return Error{ErrorCode::kArgument,
+                     "lies in '" + out.string() + "', which this bake replaces; name another output", input.string()};
+  return {};
+}
+
+// What the import left out or replaced: all kinds that fit a line.
+Status check_whole(const Scene& scene, const std::string& input) {
+  constexpr std::size_t kKinds = 5;
+  std::string named;
+  std::size_t kinds = 0;
+  for (const ImportCount& note : scene.notes) {
+    if (!note.is_loss || kinds++ >= kKinds) continue;
+    named += (named.empty() ? "" : "; ") + note.what + ": " + std::to_string(note.count);
+    if (!note.names.empty()) named += " (first: " + printable(note.names.front(), 80) + ")";
+  }
+  if (kinds == 0) return {};
+  if (kinds > kKinds) named += "; and " + std::to_string(kinds - kKinds) + " more kinds";
+  return Error{ErrorCode::kUnsupported,
+               "not all of it can be baked as it is: " + named + "; mend that, or bake without --strict", input};
+}
+
 Status run(const Arguments& arguments) {
   const auto is_empty = [](const std::string& name) { return name.empty(); };
   if (is_empty(arguments.out) || std::ranges::any_of(arguments.inputs, is_empty))
     return Error{ErrorCode::kArgument, "an input or the output has an empty name"};
   ZC_TRY(check_json_file(arguments.json));
+  for (const std::string& input : arguments.inputs) ZC_TRY(check_apart(input, arguments.out));
+  if (!arguments.materials.empty()) ZC_TRY(check_apart(arguments.materials, arguments.out));
   std::error_code failure;
   const bool had_cache = std::filesystem::exists(std::filesystem::path(arguments.out) / kBakeCacheName, failure);
   ZC_ASSIGN(WorldWriter writer, WorldWriter::open(arguments.out));
   ImportOptions import = arguments.import;
   ZC_TRY(read_material_rules(arguments, import.materials));
   ZC_TRY(read_ground_plane(arguments.ground_plane, import));
-  Progress progress;
+  std::optional<Progress> progress(std::in_place, arguments.progress);
   BakeOptions options = arguments.options;
   if (arguments.sun) {
     ZC_ASSIGN(options.sun, parse_sun(*arguments.sun));
@@ -107,13 +159,15 @@ Status run(const Arguments& arguments) {
       return Error{ErrorCode::kArgument, "a sun below the horizon lights nothing: '" + *arguments.sun + "'"};
     if (!options.light) return Error{ErrorCode::kArgument, "--sun needs light"};
   }
-  options.progress = [&](double fraction, std::string_view stage) { progress.update(fraction, stage); };
-  progress.update(0, "import");
+  options.progress = [&](double fraction, std::string_view stage) { progress->update(fraction, stage); };
+  progress->update(0, "import");
   const auto started = std::chrono::steady_clock::now();
   const std::vector<std::filesystem::path> inputs(arguments.inputs.begin(), arguments.inputs.end());
   ZC_ASSIGN(Scene scene, import_inputs(inputs, import));
   const std::chrono::duration<double> import_s = std::chrono::steady_clock::now() - started;
   for (const std::string& line : describe_stray_objects(scene)) spdlog::warn("{}", line);
+  if (arguments.strict) ZC_TRY(check_whole(scene, arguments.inputs.front()));
+  ZC_ASSIGN(options.origin, origin_of(arguments));
   Result<BakeReport> baked = bake_world(std::move(scene), import_s.count(), options, std::move(writer));
   if (!baked) {
     Error error = std::move(baked).error();  // of the scene as a whole: its first file stands for it
@@ -121,6 +175,8 @@ Status run(const Arguments& arguments) {
     return error;
   }
   const BakeReport& report = *baked;
+  progress->finish();
+  progress.reset();  // its bar goes before the summary comes
 
   for (const auto* notes : {&report.notes, &report.repair.counts})
     for (const ImportCount& note : *notes) {
@@ -129,7 +185,8 @@ Status run(const Arguments& arguments) {
     }
   if (report.interior_faces > 0)
     spdlog::info("faces that can be seen from nowhere outside, left out: {}", report.interior_faces);
-  if (!arguments.json.replaces_text()) print_summary(arguments, report, had_cache && options.reuse);
+  if (!arguments.json.replaces_text() && !arguments.progress.quiet)
+    print_summary(arguments, report, had_cache && options.reuse);
   if (!arguments.json.asked) return {};
   ZC_ASSIGN(const std::vector<std::byte> json,
             read_file(std::filesystem::path(arguments.out) / kBakeReportName, kReportLimitBytes));
@@ -176,6 +233,8 @@ void add_bake(CLI::App& app, const SetCommand& set) {
                     "walls between buildings that touch");
   command->add_flag("--skip-missing", arguments->import.skip_missing,
                     "Bake a tileset without the tiles that are not there: they are counted and the first ones named");
+  command->add_flag("--strict", arguments->strict,
+                    "Exit code 1, and no world, when anything of the inputs is left out or replaced");
   command->add_option("--materials", arguments->materials,
                       "JSON file of what surfaces are made of, by surface type, object type, name or material");
   command->add_flag("--wet", arguments->wet, "Ground and roads are dark and smooth, as after rain");
@@ -184,6 +243,7 @@ void add_bake(CLI::App& app, const SetCommand& set) {
   command->add_option("--threads", arguments->options.threads, "Threads (0: all cores)")
       ->capture_default_str()
       ->check(CLI::Range(0U, 256U));
+  add_progress_options(*command, arguments->progress);
   command->callback([=] { set([=] { return run(*arguments); }); });
 }
 

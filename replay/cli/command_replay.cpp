@@ -4,12 +4,11 @@
 #include <cmath>
 #include <iomanip>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
 #include <thread>
 
-#include "base/file.h"
+#include "replay/cli/choice_option.h"
 #include "replay/cli/commands.h"
 #include "replay/cli/json_option.h"
 #include "replay/cli/progress.h"
@@ -27,6 +26,7 @@ namespace {
 struct Arguments {
   WorldOption world;
   JsonOption json;
+  ProgressOption progress;
   std::string out;
   std::vector<std::string> paths;
   std::string cap;
@@ -43,8 +43,15 @@ struct Arguments {
   unsigned threads = 0;
   double tolerance = 0.002;
   double look_ahead_s = 2;
-  bool no_render = false, validate = false, contact_sheet = false, leave_nothing_out = false, trace = false;
+  bool no_render = false, validate = false, contact_sheet = false, leave_nothing_out = false, trace = false,
+       allow_failures = false;
 };
+
+std::vector<std::string> kernel_names() {
+  std::vector<std::string> names = {"auto", "measure", "packets64", "packets32", "packets16", "single"};
+  for (const TraceVariant& variant : all_trace_variants()) names.push_back(trace_variant_name(variant));
+  return names;
+}
 
 Status parse_kernel(const std::string& text, ReplayOptions& options) {
   options.kernel = text == "auto"      ? KernelChoice::kAuto
@@ -56,8 +63,8 @@ Status parse_kernel(const std::string& text, ReplayOptions& options) {
   }
   const auto variant = parse_trace_variant(text);
   if (!variant)
-    return Error{ErrorCode::kArgument,
-                 "no kernel is called '" + text + "' (auto, measure, or " + std::string(kTraceVariantNames) + ")"};
+    return Error{ErrorCode::kArgument, "no kernel is called '" + text + "' (auto, measure, or " +
+                                           std::string(kTraceVariantNames) + ")" + did_you_mean(text, kernel_names())};
   options.renderer.trace = *variant;
   return {};
 }
@@ -113,12 +120,32 @@ Result<ReplayOptions> to_options(const Arguments& a) {
   return options;
 }
 
+std::string counted(std::uint64_t count, const char* what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+// What the last frame asks for and could not be read: a replay in CI must not pass with coarser pages in its place.
+Status check_failures(const ReplayReport& report, const std::string& world) {
+  const bool is_host = report.streaming.failing.count == 0;
+  const FailingNodes& failing = is_host ? report.host_failing : report.streaming.failing;
+  if (failing.count == 0) return {};
+  const std::string cause = failing.cause ? ", the first because " + failing.cause->describe() : "";
+  return Error{ErrorCode::kIo,
+               counted(failing.count, is_host ? "full-detail node" : "node") +
+                   " of the last frame could not be read and coarser pages stand in" + cause +
+                   "; repair the world or its server, or accept that with --allow-failures",
+               world};
+}
+
 void print_summary(const ReplayReport& report) {
   const StreamerStatistics& s = report.streaming;
   std::cout << s.frames << " frames, " << s.frames_over_cap << " over the cap of " << format_bytes(s.cap_bytes)
             << "; ledger peak " << format_bytes(s.ledger.peak_bytes) << '\n'
             << s.zones_loaded << " zones loaded, " << s.zones_evicted << " evicted, " << s.requests.failed
-            << " requests failed\n";
+            << " requests failed\n"
+            << "wanted level in " << std::fixed << std::setprecision(1) << 100 * s.wanted_level_fraction()
+            << " % of the frames; " << counted(s.failed_nodes, "node") << " failed, " << s.failing.count
+            << " of them to the end\n";
   if (report.rendered_frames > 0) {
     std::cout << report.rays.total << " rays: " << report.rays.screen << " screen, " << report.rays.proxy << " proxy, "
               << report.rays.proxy_coarse << " coarse proxy, " << report.rays.sky << " sky, " << report.rays.lost
@@ -130,16 +157,20 @@ void print_summary(const ReplayReport& report) {
 
 Status run(const Arguments& arguments) {
   ZC_ASSIGN(ReplayOptions options, to_options(arguments));
-  Progress progress;
-  options.progress = [&](double fraction, std::string_view stage) { progress.update(fraction, stage); };
+  std::optional<Progress> progress(std::in_place, arguments.progress);
+  progress->update(0, "replay");
+  options.progress = [&](std::uint64_t done, std::uint64_t frames) {
+    progress->update(static_cast<double>(done) / static_cast<double>(frames), "replay", {done, frames, "frames"});
+  };
   options.on_failure = [](const Error& error) { spdlog::warn("{}", error.describe()); };
   ZC_ASSIGN(const ReplayReport report, run_replay(options));
-  const std::string text = statistics_json(report).dump(2) + "\n";
-  if (!options.out.empty()) ZC_TRY(write_file(options.out / "stats.json", std::as_bytes(std::span(text))));
-  if (!arguments.json.replaces_text()) print_summary(report);
-  ZC_TRY(write_json(arguments.json, text));
+  progress->finish();
+  progress.reset();  // its bar goes before the summary comes
+  if (!arguments.json.replaces_text() && !arguments.progress.quiet) print_summary(report);
+  ZC_TRY(write_json(arguments.json, statistics_text(report)));
   if (report.validation_messages > 0)
     return Error{ErrorCode::kDevice, std::to_string(report.validation_messages) + " Vulkan validation messages"};
+  if (!arguments.allow_failures) ZC_TRY(check_failures(report, arguments.world.place));
   return {};
 }
 
@@ -160,29 +191,27 @@ void add_replay(CLI::App& app, const SetCommand& set) {
   command->add_option("--frames", a->frames, "Path samples A (inclusive) to B (exclusive): A:B, A:B:STEP or all");
   command->add_option("--size", a->size, "Picture size")->capture_default_str();
   command->add_flag("--no-render", a->no_render, "Page only: no device, no pictures");
-  command
-      ->add_option("--reflections", a->reflections,
-                   "ssr+proxy: screen first, then proxies; proxy: proxies only; full: full detail; none: sky only")
-      ->transform(
-          CLI::CheckedTransformer(std::map<std::string, ReflectionMode>{{"ssr+proxy", ReflectionMode::kScreenAndProxy},
-                                                                        {"proxy", ReflectionMode::kProxy},
-                                                                        {"full", ReflectionMode::kFull},
-                                                                        {"none", ReflectionMode::kNone}}))
-      ->option_text("ssr+proxy|proxy|full|none [ssr+proxy]");
-  command->add_option("--debug-views", a->debug_views, "Also write these, per frame; separated by commas")
+  add_choice_option<ReflectionMode>(
+      *command, "--reflections", a->reflections,
+      {{"ssr+proxy", ReflectionMode::kScreenAndProxy},
+       {"proxy", ReflectionMode::kProxy},
+       {"full", ReflectionMode::kFull},
+       {"none", ReflectionMode::kNone}},
+      "ssr+proxy: screen first, then proxies; proxy: proxies only; full: full detail; none: sky only", "ssr+proxy");
+  add_choice_option<DebugView>(*command, "--debug-views", a->debug_views,
+                               {{"provenance", DebugView::kProvenance},
+                                {"bvh", DebugView::kBvh},
+                                {"normals", DebugView::kNormals},
+                                {"depth", DebugView::kDepth}},
+                               "Also write these, per frame; separated by commas")
       ->delimiter(',')
-      ->transform(CLI::CheckedTransformer(std::map<std::string, DebugView>{{"provenance", DebugView::kProvenance},
-                                                                           {"bvh", DebugView::kBvh},
-                                                                           {"normals", DebugView::kNormals},
-                                                                           {"depth", DebugView::kDepth}}))
       ->option_text("provenance,bvh,normals,depth");
   command->add_flag("--contact-sheet", a->contact_sheet, "Also write contact_sheet.png: twelve frames on one picture");
   command->add_option("--sun", a->sun,
                       "Sun: azimuth (degrees clockwise from north), elevation [the world's, else 145,38]");
-  command->add_option("--clock", a->clock, "virtual: same path, same log; wall: measures this machine")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, ClockKind>{{"virtual", ClockKind::kVirtual}, {"wall", ClockKind::kWall}}))
-      ->option_text("virtual|wall [virtual]");
+  add_choice_option<ClockKind>(*command, "--clock", a->clock,
+                               {{"virtual", ClockKind::kVirtual}, {"wall", ClockKind::kWall}},
+                               "virtual: same path, same log; wall: measures this machine", "virtual");
   command->add_option("--source-latency", a->latency, "Modelled source: latency of a request (virtual clock)")
       ->capture_default_str();
   command->add_option("--source-bandwidth", a->bandwidth, "Modelled source: bandwidth, e.g. 20MB/s [unlimited]");
@@ -195,13 +224,9 @@ void add_replay(CLI::App& app, const SetCommand& set) {
   command->add_option("--look-ahead", a->look_ahead_s, "Seconds of the path that paging looks ahead")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 60.0));
-  command
-      ->add_option("--prediction", a->prediction,
-                   "What paging looks ahead along: the path itself, or each camera's "
-                   "velocity, as for a live camera")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Prediction>{{"path", Prediction::kPath}, {"velocity", Prediction::kVelocity}}))
-      ->option_text("path|velocity [path]");
+  add_choice_option<Prediction>(
+      *command, "--prediction", a->prediction, {{"path", Prediction::kPath}, {"velocity", Prediction::kVelocity}},
+      "What paging looks ahead along: the path itself, or each camera's velocity, as for a live camera", "path");
   command->add_option("--upload-budget", a->upload_budget, "Bytes of pages that a frame may upload [unlimited]");
   command->add_flag("--trace", a->trace,
                     "Also write trace.json: what paging did and when, for Perfetto or chrome://tracing");
@@ -216,7 +241,10 @@ void add_replay(CLI::App& app, const SetCommand& set) {
       ->capture_default_str();
   command->add_flag("--validate", a->validate,
                     "Vulkan validation layers with synchronisation validation; exit 1 when they report anything");
+  command->add_flag("--allow-failures", a->allow_failures,
+                    "Exit code 0 although pages that the last frame asks for could not be read");
   command->add_flag("--leave-nothing-out", a->leave_nothing_out, "Run the general pipeline, to measure what is saved");
+  add_progress_options(*command, a->progress);
   command->callback([=] { set([=] { return run(*a); }); });
 }
 

@@ -14,7 +14,4 @@ namespace zc {
 // Takes and returns the words of the command line without the program's name. Fails with kArgument.
 Result<std::vector<std::string>> resolve_command(const CLI::App& app, std::vector<std::string> words);
 
-// The number of letters to insert, leave out, replace, or swap with their neighbour (Damerau 1964, each letter once).
-std::size_t edit_distance(const std::string& a, const std::string& b);
-
 }  // namespace zc

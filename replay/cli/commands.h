@@ -16,6 +16,7 @@ void add_generate(CLI::App& app, const SetCommand& set);
 void add_pack(CLI::App& app, const SetCommand& set);
 void add_bake(CLI::App& app, const SetCommand& set);
 void add_inspect(CLI::App& app, const SetCommand& set);
+void add_caps(CLI::App& app, const SetCommand& set);
 void add_compare(CLI::App& app, const SetCommand& set);
 void add_replay(CLI::App& app, const SetCommand& set);
 void add_serve(CLI::App& app, const SetCommand& set);

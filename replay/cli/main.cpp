@@ -48,6 +48,7 @@ int run(int argc, char** argv) {
   zc::add_inspect(app, set);
   zc::add_pack(app, set);
   zc::add_serve(app, set);
+  zc::add_caps(app, set);
   zc::add_compare(app, set);
   zc::add_replay(app, set);
   zc::add_bench(app, set);

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cinttypes>
 #include <cstdio>
+#include <iterator>
 #include <utility>
 
 #include "base/text.h"
@@ -33,6 +34,20 @@ const char* type_of(std::string_view name) {
   if (name.ends_with(".json")) return "application/json";
   if (name.ends_with(".3tz")) return "application/vnd.maxar.archive.3tz+zip";
   return "application/octet-stream";
+}
+
+// Folder by folder, none of them nor the file a link: what lies elsewhere is not for others to read. The name has no
+// "..". Negative when there is no such file.
+int open_beneath(const std::filesystem::path& folder, const std::filesystem::path& name) {
+  int at = ::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);  // may be a link: whoever serves it named it
+  for (auto part = name.begin(); at >= 0 && part != name.end(); ++part) {
+    const bool last = std::next(part) == name.end();
+    const int flags = last ? O_RDONLY | O_NONBLOCK : O_PATH | O_DIRECTORY;
+    const int next = ::openat(at, part->c_str(), flags | O_NOFOLLOW | O_CLOEXEC);
+    ::close(at);
+    at = next;
+  }
+  return at;
 }
 
 }  // namespace
@@ -73,13 +88,16 @@ Result<ServedWorld> ServedWorld::open(const std::filesystem::path& place) {
   ZC_ASSIGN([[maybe_unused]] const WorldIndex index, read_world_index(*source, place));
   std::error_code failure;
   const bool folder = std::filesystem::is_directory(place, failure);
-  return ServedWorld(place, folder, folder ? std::string(kWorldIndexName) : place.filename().string());
+  ServedWorld world(place, folder, folder ? std::string(kWorldIndexName) : place.filename().string());
+  if (!world.find(world.first_name()))
+    return Error{ErrorCode::kUnsupported, "is a link, and links in a world are not served; put the file in its place",
+                 (place / world.first_name()).string()};
+  return world;
 }
 
 std::optional<ServedFile> ServedWorld::find(std::string_view name) const {
   if (folder_ ? !names_world_file(name) : name != first_name_) return std::nullopt;
-  const std::filesystem::path path = folder_ ? place_ / name : place_;
-  const int handle = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  const int handle = folder_ ? open_beneath(place_, name) : ::open(place_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (handle < 0) return std::nullopt;
   struct stat status {};
   if (::fstat(handle, &status) != 0 || !S_ISREG(status.st_mode)) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The files that a served world consists of, by the names that may be asked for: those of a world's folder, or the one
 // archive. Threads: any. Untrusted input: only names of that form are looked for at all; what is there is opened when
-// it is asked for, and stays the same file while it is sent, whatever happens to its name.
+// it is asked for, and stays the same file while it is sent, whatever happens to its name. Links in a world are not
+// followed.
 #pragma once
 
 #include <cstddef>

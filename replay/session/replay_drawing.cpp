@@ -89,6 +89,7 @@ Status ReplayDrawing::save_pictures(std::uint64_t frame, std::size_t which, cons
 void ReplayDrawing::describe(ReplayReport& report) {
   const StreamerStatistics full_detail = full_detail_.streamer().statistics();
   report_pool_limit("full detail: ", full_detail, report);
+  report.host_failing = full_detail.failing;
   report.host_bytes = full_detail.ledger.peak_bytes;
   report.device = device_.name();
   report.driver = device_.driver();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -18,6 +19,7 @@ constexpr std::uint32_t kTileWidth = 480;
 
 constexpr std::array kDebugViews = {DebugView::kProvenance, DebugView::kBvh, DebugView::kNormals, DebugView::kDepth};
 constexpr const char* kFrames = "frames";
+constexpr const char* kLockName = ".zonecast.lock";
 constexpr const char* kSheet = "contact_sheet.png";
 
 const char* debug_name(DebugView view) {
@@ -50,7 +52,6 @@ Status remove_earlier_pictures(const std::filesystem::path& out) {
 }
 
 Status make_folders(const ReplayOptions& options, std::size_t camera_count) {
-  ZC_TRY(make_folder(options.out));
   for (std::size_t c = 0; options.render && c < camera_count; ++c) {
     const std::filesystem::path folder = camera_folder(options.out, c);
     ZC_TRY(make_folder(folder / kFrames));
@@ -63,10 +64,15 @@ Status make_folders(const ReplayOptions& options, std::size_t camera_count) {
 
 Result<std::unique_ptr<ReplayFiles>> ReplayFiles::create(const ReplayOptions& options, std::size_t camera_count,
                                                          std::uint64_t frame_count) {
+  ZC_TRY(make_folder(options.out));
+  ZC_ASSIGN(std::optional<FolderLock> lock, FolderLock::take(options.out, kLockName));
+  if (!lock)
+    return Error{ErrorCode::kIo, "another replay is writing into this folder; wait for it or name another one",
+                 options.out.string()};
   ZC_TRY(remove_earlier_pictures(options.out));
   ZC_TRY(make_folders(options, camera_count));
   ZC_ASSIGN(FrameLog log, FrameLog::create(options.out / "frames.csv", options.render));
-  std::unique_ptr<ReplayFiles> files(new ReplayFiles(options, std::move(log)));
+  std::unique_ptr<ReplayFiles> files(new ReplayFiles(options, *std::move(lock), std::move(log)));
   if (options.trace) {
     ZC_ASSIGN(files->trace_, TraceFile::create(options.out / "trace.json", options.streamer.threads));
   }
@@ -91,11 +97,12 @@ Status ReplayFiles::end_frame(std::uint64_t frame, const FrameStatistics& paging
   return log_.add(frame, paging, drawn);
 }
 
-Status ReplayFiles::close() {
+Status ReplayFiles::close(std::string_view statistics) {
   ZC_TRY(log_.close());
   if (trace_) ZC_TRY(trace_->close());
-  if (sheet_tiles_.empty()) return {};
-  return write_png(options_.out / kSheet, make_contact_sheet(sheet_tiles_, kSheetColumns, kTileWidth));
+  if (!sheet_tiles_.empty())
+    ZC_TRY(write_png(options_.out / kSheet, make_contact_sheet(sheet_tiles_, kSheetColumns, kTileWidth)));
+  return write_file(options_.out / "stats.json", std::as_bytes(std::span(statistics)));
 }
 
 }  // namespace zc

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a replay writes into its folder: frames.csv, trace.json, a picture a frame, camera and debug view, and the
 // contact sheet. Pictures of the first camera lie in frames/ and in a folder a debug view; those of others in the same
-// below camera_1/, and so on. Borrows the options. Threads: one. Fails when the disk does.
+// below camera_1/, and so on. Keeps other replays out of the folder. Borrows the options. Threads: one. Fails when the
+// disk does, or another replay writes there.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +10,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "base/folder_lock.h"
 #include "replay/image/png_file.h"
 #include "replay/session/frame_log.h"
 #include "replay/session/replay_options.h"
@@ -33,13 +36,15 @@ class ReplayFiles {
   Status save_debug_view(const Picture& picture, std::size_t camera, DebugView view, const std::string& name);
   // drawn: all cameras' pictures; null where nothing is drawn. Once a frame, after its pictures.
   Status end_frame(std::uint64_t frame, const FrameStatistics& paging, const FrameResult* drawn);
-  // Once; without it frames.csv and trace.json are as they were before.
-  Status close();
+  // Once, with stats.json; without it frames.csv, trace.json and stats.json are as they were before.
+  Status close(std::string_view statistics);
 
  private:
-  ReplayFiles(const ReplayOptions& options, FrameLog log) : options_(options), log_(std::move(log)) {}
+  ReplayFiles(const ReplayOptions& options, FolderLock lock, FrameLog log)
+      : options_(options), lock_(std::move(lock)), log_(std::move(log)) {}
 
   const ReplayOptions& options_;
+  FolderLock lock_;  // before what it guards
   FrameLog log_;
   std::unique_ptr<TraceFile> trace_;
   std::vector<std::size_t> sheet_frames_;  // by their order

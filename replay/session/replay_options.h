@@ -7,7 +7,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "base/result.h"
@@ -50,7 +49,7 @@ struct ReplayOptions {
   KernelChoice kernel = KernelChoice::kFixed;
   std::filesystem::path variant_cache;  // a file; empty: nothing is read or kept
   std::vector<DebugView> debug_views;
-  std::function<void(double fraction, std::string_view stage)> progress;
+  std::function<void(std::uint64_t done, std::uint64_t frames)> progress;
   // A page, a kernel or a cache that failed, a path that sees nothing; the replay goes on.
   std::function<void(const Error&)> on_failure;
 

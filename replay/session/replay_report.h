@@ -25,6 +25,7 @@ struct ReplayReport {
   std::uint64_t baseline_rss_bytes = 0;
   std::uint64_t peak_rss_bytes = 0;
   std::uint64_t host_bytes = 0;
+  FailingNodes host_failing;  // of the full detail that the host draws
   RayCounts rays;
   std::uint64_t rendered_frames = 0;
   std::array<double, kPassCount> pass_ms = {};

@@ -12,6 +12,7 @@
 #include "replay/session/replay_drawing.h"
 #include "replay/session/replay_files.h"
 #include "replay/session/replay_statistics.h"
+#include "replay/session/statistics_json.h"
 #include "streamer/open_source.h"
 #include "streamer/statistics/belady.h"
 
@@ -39,7 +40,7 @@ class Session {
     if (!options_.out.empty()) ZC_TRY(open_files());
     ZC_TRY(replay_frames());
     ReplayReport report = make_report();
-    if (files_) ZC_TRY(files_->close());
+    if (files_) ZC_TRY(files_->close(statistics_text(report)));
     return report;
   }
 
@@ -85,8 +86,7 @@ class Session {
     started_ = Clock::now();
     for (std::uint64_t i = 0; i < frames_.count(); ++i) {
       ZC_TRY(replay_frame(frames_.at(i)));
-      if (options_.progress)
-        options_.progress(static_cast<double>(i + 1) / static_cast<double>(frames_.count()), "replay");
+      if (options_.progress) options_.progress(i + 1, frames_.count());
     }
     return {};
   }

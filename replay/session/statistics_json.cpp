@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "replay/session/statistics_json.h"
 
+#include <nlohmann/json.hpp>
+
 namespace zc {
 
 namespace {
@@ -8,8 +10,6 @@ namespace {
 nlohmann::ordered_json percentiles(const LatencySummary& s) {
   return {{"p50", s.p50_ms}, {"p95", s.p95_ms}, {"p99", s.p99_ms}, {"max", s.max_ms}};
 }
-
-}  // namespace
 
 nlohmann::ordered_json statistics_json(const ReplayReport& report) {
   const StreamerStatistics& s = report.streaming;
@@ -30,8 +30,7 @@ nlohmann::ordered_json statistics_json(const ReplayReport& report) {
   summary["reloads_optimal"] = nullptr;
   if (report.optimal) summary["reloads_optimal"] = report.optimal->reloads;
   summary["thrash"] = s.thrash;
-  summary["wanted_level_fraction"] =
-      s.frames == 0 ? 1.0 : static_cast<double>(s.wanted_level_frames) / static_cast<double>(s.frames);
+  summary["wanted_level_fraction"] = s.wanted_level_fraction();
   summary["request_to_resident_ms"] = percentiles(s.request_to_resident_ms);
   nlohmann::ordered_json state_ms;
   for (std::size_t i = 0; i < kLoadStateCount; ++i) state_ms[kLoadStateNames[i]] = percentiles(s.state_ms[i]);
@@ -44,6 +43,9 @@ nlohmann::ordered_json statistics_json(const ReplayReport& report) {
                          {"cancelled", s.requests.cancelled},
                          {"failed", s.requests.failed},
                          {"retried", s.requests.retried}};
+  summary["failed_nodes"] = s.failed_nodes;
+  summary["failing_nodes"] = s.failing.count;
+  summary["host_failing_nodes"] = report.host_failing.count;
   summary["bytes_read"] = s.bytes_read;
   summary["bytes_read_optimal"] = nullptr;
   if (report.optimal) summary["bytes_read_optimal"] = report.optimal->bytes_read;
@@ -85,5 +87,9 @@ nlohmann::ordered_json statistics_json(const ReplayReport& report) {
                                          {"cache_damaged", report.source.cache_damaged}};
   return {{"summary", std::move(summary)}, {"ledger", std::move(ledger)}, {"source", source}};
 }
+
+}  // namespace
+
+std::string statistics_text(const ReplayReport& report) { return statistics_json(report).dump(2) + "\n"; }
 
 }  // namespace zc

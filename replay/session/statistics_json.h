@@ -2,12 +2,12 @@
 // stats.json: the key names that scripts rely on (DESIGN, "Command line"). Thread-safe: no state.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <string>
 
 #include "replay/session/replay_report.h"
 
 namespace zc {
 
-nlohmann::ordered_json statistics_json(const ReplayReport& report);
+std::string statistics_text(const ReplayReport& report);
 
 }  // namespace zc

@@ -5,8 +5,10 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "base/result.h"
 #include "streamer/paging/ledger.h"
 
 namespace zc {
@@ -54,6 +56,12 @@ struct CameraCutStatistics {
   LatencySummary to_target_ms;   // until every wanted node was there, on the path's clock
 };
 
+// Nodes that are selected, that no finer pages cover, and whose last request failed.
+struct FailingNodes {
+  std::uint32_t count = 0;
+  std::optional<Error> cause;  // of the first one whose is known
+};
+
 // The frame that the last advance() made, a row of frames.csv.
 struct FrameStatistics {
   double time_s = 0;
@@ -91,6 +99,7 @@ struct StreamerStatistics {
   std::uint64_t bytes_read = 0;       // compressed bytes of completed and failed requests, and what cancelled ones got
   std::uint32_t max_in_flight = 0;
   std::uint32_t failed_nodes = 0;  // nodes that failed at least once
+  FailingNodes failing;            // now
   RequestCounts requests;
   PrefetchBytes prefetch;
   CameraCutStatistics camera_cuts;
@@ -98,6 +107,11 @@ struct StreamerStatistics {
   std::array<LatencySummary, kLoadStateCount> state_ms;  // indexed by LoadState
   std::string event_log_xxh3;                            // 16 hexadecimal digits
   FrameStatistics frame;
+
+  // Of the frames; 1 where there are none.
+  [[nodiscard]] double wanted_level_fraction() const {
+    return frames == 0 ? 1.0 : static_cast<double>(wanted_level_frames) / static_cast<double>(frames);
+  }
 };
 
 inline constexpr std::uint32_t kThrashFrames = 60;

@@ -6,6 +6,7 @@ import gzip
 import json
 import os
 import re
+import re
 import shutil
 import subprocess
 import zipfile
@@ -302,6 +303,7 @@ class BadWorlds(support.Case):
                     self.assertEqual(stats["frames"], 10 if "wall" in more else 40)
                     if name in deepest:  # nothing finer can stand in
                         self.assertEqual(stats["wanted_level_fraction"], 0)
+                        self.assertEqual(stats["failing_nodes"], 1)
 
     def test_an_ancestor_reflects_instead_of_a_damaged_page(self):
         more = ("--frames", "0:40:10", "--size", "160x90", "--reflections", "proxy")
@@ -317,16 +319,22 @@ class BadWorlds(support.Case):
         self.assertGreater(stats["rays"]["proxy_coarse"], 0)
 
     def replay_past(self, name, world, *more):
-        """The statistics of a replay that warns of pages called `name` and keeps every promise."""
+        """The statistics of a replay that warns of pages called `name`, keeps every promise, and ends with exit code 1
+        where such a page is wanted to the end."""
         out = self.folder / "out"
         shutil.rmtree(out, ignore_errors=True)
         done = self.run_zonecast(*self.replay(world, *more, "-o", out))
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertGreater(len(done.stderr), 0)
-        for line in done.stderr.splitlines():
+        stats = support.read_stats(out)
+        failing = stats["failing_nodes"] + stats["host_failing_nodes"] > 0
+        self.assertEqual(done.returncode, FAILURE if failing else 0, done.stderr)
+        warnings = done.stderr.splitlines()
+        if failing:
+            self.assertRegex(warnings.pop(), rf"zonecast: {re.escape(str(world))}: \d+ .*{name}.*--allow-failures")
+            self.zonecast(*self.replay(world, *more, "--allow-failures", "-o", out))
+        self.assertGreater(len(warnings), 0)
+        for line in warnings:
             self.assertTrue(line.startswith("zonecast: warning: "), line)
             self.assertIn(name, line)
-        stats = support.read_stats(out)
         self.assertGreater(stats["requests"]["failed"], 0)
         self.assertGreater(stats["requests"]["retried"], 0)
         self.assertEqual(stats["rays"]["lost"], 0)

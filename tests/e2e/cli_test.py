@@ -7,7 +7,7 @@ import subprocess
 import support
 
 HELP_LINES, HELP_COLUMNS, OPTION_LINES = 55, 110, 2
-COMMANDS = ((), ("generate",), ("bake",), ("inspect",), ("pack",), ("serve",), ("compare",), ("replay",), ("bench",),
+COMMANDS = ((), ("generate",), ("bake",), ("inspect",), ("pack",), ("serve",), ("caps",), ("compare",), ("replay",), ("bench",),
             ("bench", "build"), ("bench", "trace"), ("bench", "top-level"), ("bench", "paging"))
 REPORTS = [command for command in COMMANDS if command not in ((), ("bench",))]
 
@@ -34,6 +34,7 @@ class Json(support.Case):
             (("inspect", self.world), "zones"),
             (("pack", self.world, "-o", self.folder / "world.3tz"), "archive"),
             (("compare", self.world, "--size", "64x36", "--frames", "0:1", *path, "-o", self.folder / "compared"), "levels"),
+            (("caps", self.world, *path), "caps"),
             (("replay", self.world, "--no-render", "--cap", "16MiB", *path), "summary"),
             (("bench", "build", "--triangles", self.triangles, "--repeat", "1"), "rows"),
             (("bench", "trace", "--triangles", self.triangles, "--rays", self.rays, "--repeat", "1", "--engines", "bvh2"),
@@ -135,6 +136,66 @@ class Words(support.Case):
         for command in COMMANDS[1:]:
             self.assertEqual(self.zonecast("help", *command), self.zonecast(*command, "--help"), command)
         self.assertIn("'bkae' is no command", self.refusal("help", "bkae"))
+
+
+    def test_a_value_that_there_is_none_of_is_named_with_those_there_are_and_the_nearest(self):
+        replay = ("replay", "world", "--cap", "8MiB")
+        for words, named in (
+            ((*replay, "--clock", "wal"), "--clock: 'wal' is none of virtual|wall; did you mean 'wall'?"),
+            ((*replay, "--clock", "sundial"), "--clock: 'sundial' is none of virtual|wall\n"),
+            ((*replay, "--prediction", "paht"), "path|velocity; did you mean 'path'?"),
+            ((*replay, "--reflections", "ful"), "ssr+proxy|proxy|full|none; did you mean 'full'?"),
+            ((*replay, "--debug-views", "bvh,norml"), "'norml' is none of provenance|bvh|normals|depth; did you mean 'normals'?"),
+            ((*replay, "--kernel", "packet64"), "no kernel is called 'packet64' (auto, measure, or packets64|"),
+            ((*replay, "--kernel", "packet64"), "; did you mean 'packets64'?"),
+            ((*replay, "--progress", "line"), "auto|bar|lines|none; did you mean 'lines'?"),
+            (("bake", "a.gml", "-o", "b", "--progress", "foo"), "'foo' is none of auto|bar|lines|none\n"),
+            (("bake", "a.gml", "-o", "b", "--bvh", "swep"), "; did you mean 'sweep'?"),
+            (("bench", "trace", "--order", "tile"), "rows|tiles; did you mean 'tiles'?"),
+            (("bench", "trace", "--engines", "embre"), "did you mean 'embree'?"),
+        ):
+            with self.subTest(words=words):
+                self.assertIn(named, self.refusal(*words))
+
+
+class Progress(support.Case):
+    @classmethod
+    def prepare(cls):
+        cls.world = cls.folder / "world"
+        cls.bake_small_city(cls.world)
+        support.small_drive(cls.folder / "drive.csv")
+        cls.bake = ("bake", cls.folder / "city.json", "--leaf-triangles", "64", "-o", cls.world)
+        cls.replay = ("replay", cls.world, "--path", cls.folder / "drive.csv", "--cap", "8MiB", "--no-render")
+
+    def test_lines_name_each_stage_on_standard_error_alone(self):
+        for words, stages in ((self.bake, ("import", "repair", "cut", "simplify", "light", "bvh", "index")),
+                              (self.replay, ("replay",))):
+            with self.subTest(words=words[0]):
+                done = self.run_zonecast(*words, "--progress", "lines", "--json")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                json.loads(done.stdout)
+                for stage in stages:
+                    self.assertRegex(done.stderr, rf"(?m)^zonecast: info: {stage}: done in \d+\.\d s, \d+ % of all$")
+                self.assertTrue(done.stderr.rstrip().splitlines()[-1].endswith("100 % of all"), done.stderr)
+
+    def test_short_work_needs_no_lines(self):
+        for words in (self.bake, self.replay):
+            for more in (("--progress", "auto"), ("--progress", "none")):
+                self.assertNotIn("done in", self.run_zonecast(*words, *more).stderr)
+
+    def test_a_bar_is_drawn_where_it_is_asked_for(self):
+        for words in (self.bake, self.replay):
+            self.assertIn("[####", self.run_zonecast(*words, "--progress", "bar").stderr)
+
+    def test_quiet_is_warnings_errors_and_the_report_that_was_asked_for(self):
+        for words in (self.bake, self.replay):
+            for more in ((), ("--progress", "lines")):
+                done = self.run_zonecast(*words, "--quiet", *more)
+                self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+            json.loads(self.zonecast(*words, "--quiet", "--json"))
+        done = self.run_zonecast(*self.replay[:-1], "--no-render", "--quiet", "--frames", "90:99")
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
 
 
 if __name__ == "__main__":

@@ -42,25 +42,46 @@ class Faults(support.Case):
         self.addCleanup(self.server.stop)
 
     @classmethod
-    def replay(cls, world, *options, path=None, render=False, timeout_s=240):
-        """Summary, the source's figures and the last frame's."""
+    def replay(cls, world, *options, path=None, render=False, timeout_s=240, failing=False):
+        """Summary, the source's figures and the last frame's. `failing`: pages that are wanted to the end never come."""
         out = cls.folder / "out"
         shutil.rmtree(out, ignore_errors=True)
         drawing = ("--size", "160x90") if render else ("--no-render",)
-        cls.zonecast("replay", world, "--path", path or cls.path, "--cap", cls.cap_for(world), "-o", out, *drawing,
-                     *options, timeout_s=timeout_s)
+        done = cls.run_zonecast("replay", world, "--path", path or cls.path, "--cap", cls.cap_for(world), "-o", out,
+                                *drawing, *options, timeout_s=timeout_s)
+        if done.returncode != (FAILURE if failing else 0):
+            raise AssertionError(f"{world}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
         stats = json.loads((out / "stats.json").read_text())
+        if failing:
+            cls.check_last_line(world, done, stats["summary"])
         for part in ("in_flight", "decoded"):
             if stats["ledger"][part]["current_bytes"] != 0:
                 raise AssertionError(f"{part} bytes are left: {stats['ledger'][part]}")
         with (out / "frames.csv").open() as rows:
             return stats["summary"], stats["source"], list(csv.DictReader(rows))[-1]
 
+    @staticmethod
+    def check_last_line(world, done, summary):
+        """World, how many, the first cause, what to do; the text says the same."""
+        line, count = done.stderr.splitlines()[-1], summary["failing_nodes"]
+        nodes = f"{count} node" + ("" if count == 1 else "s")
+        for part in (f"zonecast: {world}: {nodes} of the last frame could not be read", "the first because",
+                     "--allow-failures"):
+            if part not in line:
+                raise AssertionError(f"{part} is not in {line}")
+        for part in ("wanted level in ", f"{summary['failed_nodes']} node", f"failed, {count} of them to the end"):
+            if part not in done.stdout:
+                raise AssertionError(f"{part} is not in {done.stdout}")
+        if not 0 < count <= summary["failed_nodes"]:
+            raise AssertionError(f"{count} of {summary['failed_nodes']} failed nodes are failing")
+
     def assert_recovered(self, summary, last):
         counts = summary["requests"]
         self.assertEqual(counts["issued"], counts["completed"] + counts["cancelled"] + counts["failed"])
         self.assertGreater(counts["failed"], 0)
         self.assertGreater(counts["retried"], 0)
+        self.assertGreater(summary["failed_nodes"], 0)
+        self.assertEqual(summary["failing_nodes"], 0)
         self.assert_memory_within_cap(summary)
         for key in ("missing_nodes", "wanted_nodes", "resident_nodes"):
             self.assertEqual(last[key], self.last[key], key)
@@ -149,6 +170,7 @@ class Faults(support.Case):
             summary, _, _ = self.replay(self.server.url("world"))
             self.assertEqual(len(struck), 3)
             self.assertGreater(summary["requests"]["failed"], 0)
+            self.assertEqual(summary["failing_nodes"], 0)  # finer pages cover their ground
             self.assertEqual(summary["requests"]["retried"], 0)
 
     def test_a_server_that_dies_and_comes_back(self):
@@ -212,8 +234,8 @@ class Faults(support.Case):
                     shutil.rmtree(place) if place.is_dir() else place.unlink()
                     aside.rename(place)
                 self.assertTrue(changed.is_set())
-                self.assertEqual(done.returncode, 0, done.stderr)
-                self.assertIn("changed on the server since it was opened", done.stderr)
+                self.assertEqual(done.returncode, FAILURE, done.stderr)
+                self.assertIn("changed on the server since it was opened", done.stderr.splitlines()[-1])
                 self.assertNotIn("damaged", done.stderr)
                 summary = support.read_stats(out)
                 self.assertGreater(summary["requests"]["failed"], 0)
@@ -235,13 +257,15 @@ class Faults(support.Case):
                     self.server.fault = lambda path, fault=fault: (
                         fault if ("/zones/" in path and "/zones/0/" not in path) or
                         (path.endswith(".3tz") and len(self.server.requests) > 12) else None)
-                    summary, _, _ = self.replay(self.server.url(name), "--threads", 4, timeout_s=50)
+                    summary, _, _ = self.replay(self.server.url(name), "--threads", 4, timeout_s=50, failing=True)
                     self.assertGreater(summary["requests"]["failed"], 20)
 
     def test_a_body_without_end_takes_no_memory(self):
         self.server.fault = lambda path: "long" if "/zones/" in path and "/zones/0/" not in path else None
-        summary, _, _ = self.replay(self.server.url("world"))
+        summary, _, _ = self.replay(self.server.url("world"), failing=True)
         self.assertGreater(summary["requests"]["failed"], 20)
+        summary, _, _ = self.replay(self.server.url("world"), "--allow-failures")
+        self.assertGreater(summary["failing_nodes"], 0)
         self.assertLess(summary["peak_rss_bytes"] - summary["baseline_rss_bytes"], (8 << 20) * 1.05 + (4 << 20))
         self.server.fault = lambda path: "long" if path.endswith("world.zcw") else None
         self.assert_refused(["replay", self.server.url("world"), "--path", self.path, "--cap", "24MiB", "--no-render"],

@@ -4,6 +4,7 @@
 import csv
 import json
 import re
+import shutil
 
 import support
 
@@ -109,6 +110,40 @@ class Paging(support.Case):
         self.assert_refused((*base, "--path", self.drive, "--prediction", "tarot"), 2, "--prediction")
         self.assert_refused((*base, "--path", self.drive, "--upload-budget", "much"), 2, "much")
         self.assert_refused((*base, "--path", self.drive, "--upload-budget", "0.5B"), 2, "--upload-budget")
+
+    def test_a_cap_that_is_printed_reaches_its_fraction_and_a_lower_one_does_not(self):
+        def reached(cap):
+            return json.loads(self.zonecast("replay", self.world, "--path", self.drive, "--no-render", "--cap", cap,
+                                            "--json"))["summary"]["wanted_level_fraction"]
+
+        report = json.loads(self.zonecast("caps", self.world, "--path", self.drive, "--fractions", "0,0.5,0.9,1", "--json"))
+        self.assertEqual(report["frames"], 40)
+        smallest = json.loads(self.zonecast("inspect", self.world, "--json"))["smallest_cap_bytes"]
+        self.assertEqual(report["smallest_cap_bytes"], smallest)
+        self.assertEqual([cap["fraction"] for cap in report["caps"]], [0, 0.5, 0.9, 1])
+        self.assertEqual(report["caps"][0]["cap_bytes"], smallest)
+        for cap in report["caps"]:
+            self.assertGreaterEqual(cap["reached"], cap["fraction"])
+            self.assertEqual(reached(cap["cap_bytes"]), cap["reached"])
+        for cap in report["caps"][1:]:
+            lower = cap["cap_bytes"] * 9 // 10
+            self.assertLess(reached(lower) if lower >= smallest else 0, cap["fraction"], cap)
+        self.assertGreater(report["caps"][-1]["cap_bytes"], smallest)
+        text = self.zonecast("caps", self.world, "--path", self.drive)
+        self.assertRegex(text, rf"(?m)^ *100\.0 % +100\.0 %.* {report['caps'][-1]['cap_bytes']}$")
+        self.assertEqual(len(text.splitlines()), 7)
+
+    def test_a_fraction_that_no_cap_reaches_has_none(self):
+        world = self.folder / "damaged"
+        shutil.copytree(self.world, world)
+        for page in sorted((world / "zones").rglob("*.zbvh")):
+            if page.parent.name != "0" and ".detail." not in page.name:
+                page.write_bytes(b"")
+        done = self.run_zonecast("caps", world, "--path", self.drive, "--fractions", "1", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        (cap,) = json.loads(done.stdout)["caps"]
+        self.assertEqual((cap["cap_bytes"], cap["reached"]), (None, 0))
+        self.assertIn("zones/", done.stderr)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ import concurrent.futures
 import http.client
 import json
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -119,6 +120,35 @@ class Served(support.Case):
                 status, _, body = ask(self.address, target)
                 self.assertIn(status, (400, 404))
                 self.assertNotIn(b"secret", body)
+
+    def test_no_link_is_followed_out_of_the_world(self):
+        secret = self.folder / "secrets"
+        (secret / "1").mkdir(parents=True)
+        (secret / "1" / "0_0.glb").write_text("secret")
+        world = self.folder / "linked"
+        shutil.copytree(self.world, world)
+        self.addCleanup(shutil.rmtree, world)
+        self.addCleanup(shutil.rmtree, secret)
+        (self.folder / "name").symlink_to(world)  # the name of a world may be one
+        self.addCleanup((self.folder / "name").unlink)
+        with self.serve(self.folder / "name") as address:
+            self.assertEqual(ask(address, "/zones/1/0_0.glb")[0], 200)
+            (world / "zones" / "1" / "0_0.glb").unlink()
+            (world / "zones" / "1" / "0_0.glb").symlink_to(secret / "1" / "0_0.glb")
+            (world / "zones" / "9").symlink_to(secret / "1")
+            (world / "bake.json").unlink()
+            (world / "bake.json").symlink_to("tileset.json")
+            for target in ("/zones/1/0_0.glb", "/zones/9/0_0.glb", "/bake.json"):
+                status, _, body = ask(address, target)
+                self.assertEqual(status, 404, target)
+                self.assertNotIn(b"secret", body)
+            shutil.move(world / "zones", secret / "zones")
+            (world / "zones").symlink_to(secret / "zones")
+            self.assertEqual(ask(address, "/zones/0/0_0.glb")[0], 404)
+            self.assertEqual(ask(address, "/world.zcw")[2], self.index)
+        shutil.move(world / "world.zcw", secret / "world.zcw")
+        (world / "world.zcw").symlink_to(secret / "world.zcw")
+        self.assert_refused(["serve", world, "--port", "0"], FAILURE, "world.zcw: is a link")
 
     def test_ranges(self):
         size = len(self.index)

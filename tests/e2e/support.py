@@ -48,6 +48,8 @@ class Case(unittest.TestCase):
         words = [BINARY, *map(str, arguments)]
         if "replay" in arguments[:1] and "--kernel" not in arguments:
             words += ["--kernel", KERNEL]
+        if arguments[:1] in (("bake",), ("replay",)) and "--progress" not in arguments:
+            words += ["--progress", "none"]  # what long work says, on a slow machine, is not under test
         variables = {"MESA_SHADER_CACHE_DIR": str(SHADER_CACHE), **os.environ, "XDG_CACHE_HOME": str(cls.cache),
                      **dict(environment)}
         return subprocess.run(words, capture_output=True, text=True, errors="replace", timeout=timeout_s, check=False,

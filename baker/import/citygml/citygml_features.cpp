@@ -34,7 +34,10 @@ Result<std::vector<FoundFeature>> CityGmlFeatures::read(const pugi::xml_node& ob
   placements_.clear();
   const std::string_view name = local_name(object);
   if (const GmlRole role = role_of(name); role == GmlRole::kInterior || role == GmlRole::kEmptySpace) {
-    builder_.note(role == GmlRole::kInterior ? kInteriors : kEmptySpaces);
+    if (role == GmlRole::kInterior)
+      builder_.note(kInteriors);
+    else
+      builder_.remark(kEmptySpaces);
     return std::vector<FoundFeature>();
   }
   std::vector<Feature> features = {{object, object_type(name), std::nullopt, -1, {}}};
@@ -81,7 +84,7 @@ Status CityGmlFeatures::gather(const pugi::xml_node& node, const Inherited& abov
       builder_.note(kInteriors);
       return {};
     case GmlRole::kEmptySpace:
-      builder_.note(kEmptySpaces);
+      builder_.remark(kEmptySpaces);
       return {};
     case GmlRole::kPart:
       if (stands_inside(node))
@@ -94,7 +97,7 @@ Status CityGmlFeatures::gather(const pugi::xml_node& node, const Inherited& abov
   }
   if (above.in_logical_space && (own_lod || name == "boundary")) return {};
   if (above.in_traffic_space && (name == "ClosureSurface" || (own_lod && name.ends_with("Solid")))) {
-    builder_.note(kEmptySpaces);
+    builder_.remark(kEmptySpaces);
     return {};
   }
   if (is_polygon(name)) {
@@ -233,7 +236,7 @@ void CityGmlFeatures::choose_levels(std::vector<Feature>& features) {
     const bool hidden = feature.lod == 0 || is_traffic_space(local_name(feature.node));
     if (feature.lod < 0 || !hidden || below[i] <= feature.lod) continue;
     feature.lod = -1;
-    builder_.note("footprints and areas whose parts have more detail, left out");
+    builder_.remark("footprints and areas whose parts have more detail, left out");
   }
 }
 

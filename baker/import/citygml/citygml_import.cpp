@@ -175,7 +175,7 @@ Status check_version(const pugi::xml_node& model, const std::string& path, Scene
                  "is XML whose root is " + one_line(model.name()) + ", not a CityModel: " + kExpected, path, 0};
   std::string_view version = namespace_of_root(model);
   if (version.empty()) {
-    builder.note("CityModels without a namespace, read as CityGML 2.0");
+    builder.remark("CityModels without a namespace, read as CityGML 2.0");
     return {};
   }
   for (const std::string_view base :

@@ -135,7 +135,7 @@ class ObjectsReader {
       if (parent->second.chosen.empty() || parent->second.lod < 0 || parent->second.lod >= kFirstSolidLod) continue;
       parent->second.chosen.clear();
       builder_.enter_object(plan.parent);
-      builder_.note("footprints whose parts have solid geometry, left out");
+      builder_.remark("footprints whose parts have solid geometry, left out");
     }
   }
 

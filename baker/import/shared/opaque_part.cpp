@@ -64,12 +64,12 @@ void keep_opaque(const Coverage& coverage, const std::string& format, const Surf
   }
   if (mask == nullptr || part.texcoords.empty()) {
     if (share > 0) return;
-    builder.note(format + " triangles that their alpha leaves nothing of, left out", part.triangles.size());
+    builder.remark(format + " triangles that their alpha leaves nothing of, left out", part.triangles.size());
     part.triangles.clear();
     part.materials.clear();
     return;
   }
-  builder.note(format + " triangles with transparent parts, which were cut off", part.triangles.size());
+  builder.remark(format + " triangles with transparent parts, which were cut off", part.triangles.size());
   cut_by_mask(coverage, static_cast<float>(cutoff / factor), part);
 }
 

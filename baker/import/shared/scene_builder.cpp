@@ -142,7 +142,7 @@ Status SceneBuilder::add_once(const ObjectMesh& mesh) {
       continue;
     }
     if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) {
-      note("triangles with coinciding corners, dropped");
+      remark("triangles with coinciding corners, dropped");
       continue;
     }
     if (scene_.positions.size() >= std::numeric_limits<std::uint32_t>::max() - 3 ||
@@ -209,6 +209,11 @@ void SceneBuilder::note(const std::string& what, std::uint64_t count) {
   scene_.notes[slot->second].count += count;
 }
 
+void SceneBuilder::remark(const std::string& what, std::uint64_t count) {
+  note(what, count);
+  scene_.notes[notes_.at(what)].is_loss = false;
+}
+
 void SceneBuilder::note_files(const std::string& what, const std::vector<std::string>& names) {
   if (!names.empty()) scene_.notes.push_back({what, names.size(), names});
 }
@@ -224,7 +229,7 @@ Status SceneBuilder::set_crs(const std::string& crs, const std::string& path) {
                      std::to_string(kMaxCrsNameBytes) + " are read",
                  path};
   if (lower(crs).find("epsg") != std::string::npos && (crs.back() < '0' || crs.back() > '9'))
-    note("reference systems without an EPSG code at their end, kept as they are written");
+    remark("reference systems without an EPSG code at their end, kept as they are written");
   return placement_.set_crs(crs, path);
 }
 

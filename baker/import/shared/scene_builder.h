@@ -59,6 +59,8 @@ class SceneBuilder {
   // A square of dry land under all that was added, a little wider. z_m: its height; else that of the lowest point.
   Status add_ground_plane(std::optional<double> z_m);
   void note(const std::string& what, std::uint64_t count = 1);
+  // The same of what takes nothing from the city.
+  void remark(const std::string& what, std::uint64_t count = 1);
   // One for each of the files that are named.
   void note_files(const std::string& what, const std::vector<std::string>& names);
   // Parts of the input that are not there, so that it is not whole; the first few by name.

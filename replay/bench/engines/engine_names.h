@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/nearest_word.h"
 #include "base/result.h"
 
 namespace zc::bench {
@@ -17,9 +18,14 @@ template <class Entries>
 Status check_names(const Entries& entries, std::span<const std::string> names) {
   for (const std::string& name : names) {
     if (std::ranges::any_of(entries, [&](const auto& entry) { return entry.name == name; })) continue;
+    std::vector<std::string> names_known;
     std::string known;
-    for (const auto& entry : entries) known += (known.empty() ? "" : ", ") + std::string(entry.name);
-    return Error{ErrorCode::kArgument, "no engine is called '" + name + "' (known: " + known + ")"};
+    for (const auto& entry : entries) {
+      names_known.emplace_back(entry.name);
+      known += (known.empty() ? "" : ", ") + names_known.back();
+    }
+    return Error{ErrorCode::kArgument,
+                 "no engine is called '" + name + "' (known: " + known + ")" + did_you_mean(name, names_known)};
   }
   return {};
 }

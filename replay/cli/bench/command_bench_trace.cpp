@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
 
@@ -12,6 +11,7 @@
 #include "replay/bench/trace_bench.h"
 #include "replay/cli/bench/bench_subject.h"
 #include "replay/cli/bvh_option.h"
+#include "replay/cli/choice_option.h"
 #include "replay/cli/commands.h"
 #include "replay/cli/json_option.h"
 #include "replay/cli/progress.h"
@@ -105,10 +105,9 @@ void add_bench_trace(CLI::App& app, const SetCommand& set) {
                       "Raw floats, six a ray: ox oy oz dx dy dz; those of a world are relative to its anchor");
   command->add_option("--triangles", a->subject.triangles, "Raw floats, nine a triangle");
   command->add_option("--size", a->size, "Picture size that mirror rays come from")->capture_default_str();
-  command->add_option("--order", a->order, "Order of the picture's rays")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, bench::PixelOrder>{
-          {"rows", bench::PixelOrder::kRows}, {"tiles", bench::PixelOrder::kTiles}}))
-      ->option_text("rows|tiles [tiles]");
+  add_choice_option<bench::PixelOrder>(*command, "--order", a->order,
+                                       {{"rows", bench::PixelOrder::kRows}, {"tiles", bench::PixelOrder::kTiles}},
+                                       "Order of the picture's rays", "tiles");
   command->add_option("--engines", a->options.engines, "Separated by commas; default: all that this machine has")
       ->delimiter(',');
   command->add_option("--repeat", a->options.repeat, "Timed runs of each engine, in turn")

@@ -45,7 +45,7 @@ class ReplayFilesIn : public testing::Test {
       }
       ASSERT_TRUE(files.end_frame(frame, {}, options_.render ? &drawn : nullptr).ok());
     }
-    ASSERT_TRUE(files.close().ok());
+    ASSERT_TRUE(files.close("{}\n").ok());
   }
 
   TemporaryFolder folder_;
@@ -57,8 +57,9 @@ TEST_F(ReplayFilesIn, APictureHasAPlaceByCameraAndView) {
   options_.contact_sheet = true;
   options_.trace = true;
   replay(2, 1);
-  EXPECT_EQ(files(), (std::set<std::string>{"frames/f0.png", "bvh/f0.png", "camera_1/frames/f0.png",
-                                            "camera_1/bvh/f0.png", "contact_sheet.png", "frames.csv", "trace.json"}));
+  EXPECT_EQ(files(),
+            (std::set<std::string>{"frames/f0.png", "bvh/f0.png", "camera_1/frames/f0.png", "camera_1/bvh/f0.png",
+                                   "contact_sheet.png", "frames.csv", "stats.json", "trace.json"}));
 }
 
 TEST_F(ReplayFilesIn, EarlierPicturesGoAndNothingElseDoes) {
@@ -71,7 +72,7 @@ TEST_F(ReplayFilesIn, EarlierPicturesGoAndNothingElseDoes) {
   options_.contact_sheet = false;
   options_.render = false;
   replay(1, 1);
-  EXPECT_EQ(files(), (std::set<std::string>{"frames/notes.txt", "camera_1/mine.png", "frames.csv"}));
+  EXPECT_EQ(files(), (std::set<std::string>{"frames/notes.txt", "camera_1/mine.png", "frames.csv", "stats.json"}));
   EXPECT_FALSE(std::filesystem::exists(options_.out / "camera_2"));
 }
 

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/write/folder_lock.h"
+// SPDX-License-Identifier: Apache-2.0
+#include "base/folder_lock.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -13,7 +13,6 @@
 namespace zc {
 namespace {
 
-constexpr const char* kLockName = "lock";
 constexpr int kTries = 1000;
 
 Error io_error(const std::filesystem::path& path, const char* what) {
@@ -30,14 +29,14 @@ bool is_still_there(int fd, const std::filesystem::path& file) {
 
 }  // namespace
 
-Result<std::optional<FolderLock>> FolderLock::take(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder / kLockName;
+Result<std::optional<FolderLock>> FolderLock::take(const std::filesystem::path& folder, const std::string& lock_name) {
+  const std::filesystem::path file = folder / lock_name;
   for (int tries = 0; tries < kTries; ++tries) {
     if (::mkdir(folder.c_str(), 0777) != 0 && errno != EEXIST) return io_error(folder, "cannot create");
     const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (fd < 0 && errno == ENOENT) continue;  // its owner has just removed the folder
     if (fd < 0) return io_error(file, "cannot create");
-    FolderLock lock(folder, fd);
+    FolderLock lock(folder, file, fd);
     if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
       const bool is_taken = errno == EWOULDBLOCK;
       const Error error = io_error(file, "cannot lock");
@@ -51,14 +50,15 @@ Result<std::optional<FolderLock>> FolderLock::take(const std::filesystem::path& 
   return std::optional<FolderLock>();
 }
 
-FolderLock::FolderLock(std::filesystem::path folder, int fd) : folder_(std::move(folder)), fd_(fd) {}
+FolderLock::FolderLock(std::filesystem::path folder, std::filesystem::path file, int fd)
+    : folder_(std::move(folder)), file_(std::move(file)), fd_(fd) {}
 
 FolderLock::FolderLock(FolderLock&& other) noexcept
-    : folder_(std::move(other.folder_)), fd_(std::exchange(other.fd_, -1)) {}
+    : folder_(std::move(other.folder_)), file_(std::move(other.file_)), fd_(std::exchange(other.fd_, -1)) {}
 
 FolderLock::~FolderLock() {
   if (fd_ < 0) return;
-  ::unlink((folder_ / kLockName).c_str());  // while it is locked: nobody else takes what is about to go
+  ::unlink(file_.c_str());  // while it is locked: nobody else takes what is about to go
   ::rmdir(folder_.c_str());
   ::close(fd_);
 }

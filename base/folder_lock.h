@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: Apache-2.0
 // A folder that one process at a time has: made if it is not there, kept by a lock on a file in it that ends with the
 // process, however that ends. What a dead process left in the folder is still there for the next one.
 // Owns the lock file and the folder: both go with it, the folder unless something else is in it.
@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "base/result.h"
 
@@ -14,8 +15,9 @@ namespace zc {
 
 class FolderLock {
  public:
-  // Nothing when another process has the folder.
-  static Result<std::optional<FolderLock>> take(const std::filesystem::path& folder);
+  // Nothing when another process has the folder. lock_name: of a file that is nobody else's; it goes with the lock.
+  static Result<std::optional<FolderLock>> take(const std::filesystem::path& folder,
+                                                const std::string& lock_name = "lock");
 
   FolderLock(FolderLock&& other) noexcept;
   FolderLock& operator=(FolderLock&&) = delete;
@@ -27,9 +29,10 @@ class FolderLock {
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
  private:
-  FolderLock(std::filesystem::path folder, int fd);
+  FolderLock(std::filesystem::path folder, std::filesystem::path file, int fd);
 
   std::filesystem::path folder_;
+  std::filesystem::path file_;
   int fd_;  // -1 once moved from
 };
 
