@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "baker/geo/earth_frame.h"
-#include "tests/unit/baker/import/tiles_support.h"
+#include "tests/unit/baker/import/tiles/tiles_support.h"
 
 namespace zc::test {
 namespace {

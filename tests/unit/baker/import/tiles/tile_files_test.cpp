@@ -4,7 +4,7 @@
 #include <map>
 
 #include "tests/unit/baker/import/deflated.h"
-#include "tests/unit/baker/import/tiles_support.h"
+#include "tests/unit/baker/import/tiles/tiles_support.h"
 
 namespace zc::test {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "baker/geo/earth_frame.h"
 #include "baker/import/shared/uri.h"
-#include "tests/unit/baker/import/tiles_support.h"
+#include "tests/unit/baker/import/tiles/tiles_support.h"
 
 namespace zc::test {
 namespace {
