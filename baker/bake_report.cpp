@@ -79,7 +79,11 @@ Json to_json(const BakeOptions& options) {
                {"strict", origin.strict},
                {"materials", nullptr},
                {"wet", origin.wet},
-               {"ground_plane", nullptr}};
+               {"ground_plane", nullptr},
+               {"scale", origin.scale},
+               {"up", origin.up},
+               {"offset", origin.offset},
+               {"crs", origin.crs}};
   if (options.sun) json["sun"] = {options.sun->azimuth_deg, options.sun->elevation_deg};
   if (origin.materials) json["materials"] = to_json(*origin.materials);
   if (!origin.ground_plane.empty()) json["ground_plane"] = origin.ground_plane;

@@ -112,6 +112,9 @@ ReferenceSystem::ReferenceSystem(std::string_view name) : name_(name), key_(name
   const Proj first(proj_get_type(whole.get()) == PJ_TYPE_COMPOUND_CRS ? proj_crs_get_sub_crs(context, whole.get(), 0)
                                                                       : proj_clone(context, whole.get()));
   if (!first) return;
+  // A compound is its plane system: heights are above sea level in both.
+  if (const char* plane = proj_get_id_code(first.get(), 0); plane != nullptr && !code.longitude_first)
+    key_ = std::string("EPSG:") + plane;
   const PJ_TYPE type = proj_get_type(first.get());
   if (type == PJ_TYPE_GEOCENTRIC_CRS) {
     kind_ = Kind::kGeocentric;

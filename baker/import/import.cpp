@@ -261,6 +261,7 @@ class Importer {
       return Error{ErrorCode::kBudget, "not enough memory to import this file", path};
     }
     if (builder_.placement().crs_named() == crs_named && other_files_.size() == left_out) without_crs_.push_back(path);
+    builder_.enter_file(path);  // and no object of it
     if (builder_.placement().is_of_degrees()) builder_.remark("files in degrees or geocentric, moved to a local frame");
     if (builder_.placement().converts()) builder_.remark("files in another reference system, moved to the world's");
     return {};

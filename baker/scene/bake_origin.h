@@ -24,6 +24,8 @@ struct BakeOrigin {
   bool wet = false;
   bool skip_missing = false;
   bool strict = false;
+  // As given, once for all inputs or once for each.
+  std::vector<std::string> scale = {}, up = {}, offset = {}, crs = {};
 };
 
 }  // namespace zc

@@ -22,6 +22,7 @@
 #include "replay/cli/bvh_option.h"
 #include "replay/cli/commands.h"
 #include "replay/cli/json_option.h"
+#include "replay/cli/placement_option.h"
 #include "replay/cli/progress.h"
 #include "replay/session/units.h"
 #include "streamer/source/source.h"
@@ -40,6 +41,7 @@ struct Arguments {
   ProgressOption progress;
   std::optional<std::string> sun;
   ImportOptions import;
+  PlacementOption placement;
   std::string materials;
   bool wet = false, strict = false;
   std::string ground_plane;
@@ -96,7 +98,11 @@ Result<BakeOrigin> origin_of(const Arguments& arguments) {
                     .ground_plane = arguments.ground_plane,
                     .wet = arguments.wet,
                     .skip_missing = arguments.import.skip_missing,
-                    .strict = arguments.strict};
+                    .strict = arguments.strict,
+                    .scale = arguments.placement.scales,
+                    .up = arguments.placement.ups,
+                    .offset = arguments.placement.offsets,
+                    .crs = arguments.placement.systems};
   for (const std::string& input : arguments.inputs) {
     ZC_ASSIGN(origin.inputs.emplace_back(), identify_input(input));
   }
@@ -149,6 +155,7 @@ Status run(const Arguments& arguments) {
   const bool had_cache = std::filesystem::exists(std::filesystem::path(arguments.out) / kBakeCacheName, failure);
   ZC_ASSIGN(WorldWriter writer, WorldWriter::open(arguments.out));
   ImportOptions import = arguments.import;
+  ZC_ASSIGN(import.placements, placements_of(arguments.placement, arguments.inputs.size()));
   ZC_TRY(read_material_rules(arguments, import.materials));
   ZC_TRY(read_ground_plane(arguments.ground_plane, import));
   std::optional<Progress> progress(std::in_place, arguments.progress);
@@ -231,6 +238,7 @@ void add_bake(CLI::App& app, const SetCommand& set) {
   command->add_flag("--exterior", arguments->options.exterior,
                     "Leave out faces that cannot be seen from outside: rooms without an opening, what is in them, and "
                     "walls between buildings that touch");
+  add_placement_options(*command, arguments->placement);
   command->add_flag("--skip-missing", arguments->import.skip_missing,
                     "Bake a tileset without the tiles that are not there: they are counted and the first ones named");
   command->add_flag("--strict", arguments->strict,

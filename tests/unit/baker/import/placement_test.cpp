@@ -30,6 +30,7 @@ TEST(ReferenceSystem, NamesAreReadAsFilesWriteThem) {
     EXPECT_TRUE(system.is_metric() && system.is_same_as(ReferenceSystem("EPSG:25832"))) << name;
   }
   EXPECT_EQ(ReferenceSystem("EPSG:7415").kind(), Kind::kProjected);
+  EXPECT_TRUE(ReferenceSystem("EPSG:7415").is_same_as(ReferenceSystem("EPSG:28992"))) << "with NAP heights";
   EXPECT_EQ(ReferenceSystem("EPSG:4978").kind(), Kind::kGeocentric);
   for (const char* name : {"EPSG:4326", "EPSG:6697", "EPSG:4979", "urn:ogc:def:crs:OGC:1.3:CRS84"})
     EXPECT_EQ(ReferenceSystem(name).kind(), Kind::kGeographic) << name;
