@@ -22,9 +22,9 @@ struct PlacementOption {
 
 inline void add_placement_options(CLI::App& command, PlacementOption& asked) {
   const auto add = [&](const char* name, std::vector<std::string>& values, const char* text) {
-    command.add_option(name, values, std::string(text) + "; once for all inputs, or once for each")
+    command.add_option(name, values, text)
         ->allow_extra_args(false)
-        ->group("Where inputs stand");
+        ->group("Where inputs stand (each once for all inputs, or once for each)");
   };
   add("--scale", asked.scales, "Metres that one unit of the input is: 0.001 for millimetres");
   add("--up", asked.ups, "Axis that points up in the input, x|y|z, or auto: as the format has it");

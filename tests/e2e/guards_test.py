@@ -84,7 +84,7 @@ class Origin(support.Case):
         self.assertEqual(options, {
             "error_m": 0.2, "leaf_triangles": 4000, "bvh": "sbvh", "atlas": 512, "light": True, "sun": [145.0, 38.0],
             "exterior": False, "step_log2": -8, "reuse": True, "threads": 2, "skip_missing": False, "strict": False,
-            "wet": True, "ground_plane": "lowest"})
+            "wet": True, "ground_plane": "lowest", "scale": [], "up": [], "offset": [], "crs": []})
 
     def test_the_same_bake_says_the_same(self):
         first, second = (self.bake(self.city, "--from-scratch") for _ in range(2))
