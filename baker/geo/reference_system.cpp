@@ -96,7 +96,7 @@ ReferenceSystem::ReferenceSystem(std::string_view name) : name_(name), key_(name
   kind_ = Kind::kUnknown;
   if (const auto frame = EarthFrame::parse(name)) {
     kind_ = Kind::kEastNorthUp;
-    from_earth_ = frame->from_geocentric();
+    frame_ = {frame->from_geocentric(), glm::inverse(frame->from_geocentric())};
     return;
   }
   const Code code = code_of(lower(name));
@@ -140,7 +140,7 @@ bool ReferenceSystem::is_metric() const {
 }
 
 std::optional<glm::dvec3> ReferenceSystem::to_geocentric(const glm::dvec3& point) const {
-  if (from_earth_) return glm::dvec3(glm::inverse(*from_earth_) * glm::dvec4(point, 1));
+  if (frame_) return glm::dvec3(frame_->to_geocentric * glm::dvec4(point, 1));
   if (kind_ == Kind::kGeocentric) return point;
   if (!conversion_) return std::nullopt;
   const PJ_COORD in = latitude_first_ ? proj_coord(point.y, point.x, 0, 0) : proj_coord(point.x, point.y, 0, 0);
@@ -150,7 +150,7 @@ std::optional<glm::dvec3> ReferenceSystem::to_geocentric(const glm::dvec3& point
 }
 
 std::optional<glm::dvec3> ReferenceSystem::from_geocentric(const glm::dvec3& point) const {
-  if (from_earth_) return glm::dvec3(*from_earth_ * glm::dvec4(point, 1));
+  if (frame_) return glm::dvec3(frame_->from_geocentric * glm::dvec4(point, 1));
   if (kind_ == Kind::kGeocentric) return point;
   if (!conversion_) return std::nullopt;
   const Geodetic place = geodetic_of(point);
@@ -165,8 +165,8 @@ std::optional<glm::dmat4> ReferenceSystem::geocentric_at(const glm::dvec3& point
   const auto origin = to_geocentric(point);
   if (!origin || !is_metric()) return std::nullopt;
   glm::dmat4 matrix(1);
-  if (from_earth_) {
-    matrix = glm::inverse(*from_earth_);
+  if (frame_) {
+    matrix = frame_->to_geocentric;
   } else {
     for (int axis = 0; axis < 3; ++axis) {
       glm::dvec3 step(0);

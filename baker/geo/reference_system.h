@@ -55,7 +55,11 @@ class ReferenceSystem {
   std::string key_;  // the same for the same system
   bool latitude_first_ = false;
   double unit_m_ = 1;  // of a projected one
-  std::optional<glm::dmat4> from_earth_;
+  struct LocalFrame {
+    glm::dmat4 from_geocentric;
+    glm::dmat4 to_geocentric;
+  };
+  std::optional<LocalFrame> frame_;  // of kEastNorthUp
   std::shared_ptr<const Conversion> conversion_;
 };
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/import/shared/world_placement.h"
 
-#include <cmath>
 #include <glm/matrix.hpp>
 #include <limits>
 #include <utility>
@@ -24,13 +23,13 @@ Status WorldPlacement::enter_file(UpAxis up, const std::string& path) {
   gives_metric_ = converts_ = false;
   if (asked_.crs.value_or("").empty()) return {};
   ++crs_named_;
-  source_ = ReferenceSystem(*asked_.crs);
+  source_ = system_of(*asked_.crs);
   return enter_system(source_, path);
 }
 
 Status WorldPlacement::set_crs(const std::string& of_file, const std::string& path) {
   if (of_file.empty()) return {};
-  const ReferenceSystem system(of_file);
+  const ReferenceSystem& system = system_of(of_file);
   if (asked_.crs) {
     if (asked_.crs->empty() || system.kind() != ReferenceSystem::Kind::kEastNorthUp) return {};
     return Error{ErrorCode::kArgument,
@@ -39,6 +38,11 @@ Status WorldPlacement::set_crs(const std::string& of_file, const std::string& pa
   ++crs_named_;
   source_ = system;
   return enter_system(system, path);
+}
+
+const ReferenceSystem& WorldPlacement::system_of(const std::string& name) {
+  const auto known = systems_.find(name);
+  return known != systems_.end() ? known->second : systems_.emplace(name, ReferenceSystem(name)).first->second;
 }
 
 // What is not metric waits for its first point, which chooses the local frame.
@@ -76,7 +80,7 @@ Result<glm::dvec3> WorldPlacement::to_earth_frame(const glm::dvec3& point, const
                  path};
   }
   const EarthFrame& frame = earth(geodetic_of(*on_earth));
-  if (!metric_.is_metric()) ZC_TRY(enter_system(ReferenceSystem(frame.crs()), path));
+  if (!metric_.is_metric()) ZC_TRY(enter_system(system_of(frame.crs()), path));
   return glm::dvec3(frame.from_geocentric() * glm::dvec4(*on_earth, 1));
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,8 +25,6 @@ struct Placement {
   std::optional<UpAxis> up;        // else as the format has it
   glm::dvec3 offset_m{0};          // in the input's reference system
   std::optional<std::string> crs;  // instead of the file's own; empty: it has none
-
-  bool operator==(const Placement&) const = default;
 };
 
 class WorldPlacement {
@@ -59,11 +58,14 @@ class WorldPlacement {
 
  private:
   [[nodiscard]] bool from_degrees() const { return !source_.is_metric() && !gives_metric_; }
+  // Looked up once for all files that name it: opening PROJ's database takes milliseconds.
+  const ReferenceSystem& system_of(const std::string& name);
   Status enter_system(const ReferenceSystem& system, const std::string& path);
   Result<glm::dvec3> to_earth_frame(const glm::dvec3& point, const std::string& path);
 
   Placement asked_;
-  glm::dmat3 turn_{1};  // and scale
+  std::map<std::string, ReferenceSystem> systems_;  // by name
+  glm::dmat3 turn_{1};                              // and scale
   bool moves_ = false;
   ReferenceSystem source_;     // that the file's points are in
   ReferenceSystem metric_;     // the same, or the local frame

@@ -87,6 +87,14 @@ inline void expect_whole(const Scene& scene) {
   for (const std::uint16_t material : scene.triangle_material) ASSERT_LT(material, scene.materials.size());
 }
 
+// What becomes of a damaged file.
+inline void expect_whole_or_refused(const Result<Scene>& scene) {
+  if (scene.ok())
+    expect_whole(*scene);
+  else
+    EXPECT_EQ(scene.error().describe().find('\n'), std::string::npos);
+}
+
 // The folder of real city models, or an empty path where there is none.
 inline std::filesystem::path data_folder() {
   if (const char* named = std::getenv("ZONECAST_DATA"); named != nullptr && *named != 0) return named;
